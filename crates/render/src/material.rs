@@ -1,0 +1,106 @@
+//! Materials as they are authored: glTF's metallic-roughness model with transmission.
+
+use crate::TextureId;
+use umbriel_kernels::glam::{Affine2, Vec3};
+
+/// Use of a texture by a material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Which texture.
+    pub texture: TextureId,
+    /// Which set of texture coordinates of the mesh, 0 or 1; analytic surfaces have one set for both.
+    pub uv_set: u8,
+    /// Applied to the texture coordinates first (KHR_texture_transform).
+    pub transform: Affine2,
+}
+
+/// What happens where the base colour's alpha is below 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum AlphaMode {
+    /// Alpha is ignored.
+    #[default]
+    Opaque,
+    /// A hole where alpha is below the cutoff, opaque elsewhere.
+    Mask {
+        /// The cutoff, usually 0.5.
+        cutoff: f32,
+    },
+    /// Covers the fraction alpha of what is behind; without refraction.
+    Blend,
+}
+
+/// A material as authored; [`Bsdf`](crate::Bsdf) is its value at a point.
+///
+/// Colours are linear Rec. 709. A texture multiplies its factor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name in messages and files.
+    pub name: String,
+    /// Diffuse albedo of a dielectric, reflectance of a metal at normal incidence, tint of
+    /// transmitted light; each component in `[0, 1]`.
+    pub base_color: Vec3,
+    /// Opacity in `[0, 1]`, see [`AlphaMode`].
+    pub alpha: f32,
+    /// Multiplies `base_color` and `alpha`.
+    pub base_color_texture: Option<TextureRef>,
+    /// 0 for dielectrics, 1 for metals; between them a mixture.
+    pub metallic: f32,
+    /// Perceptual roughness in `[0, 1]`; the GGX width is its square. 0 is a perfect mirror.
+    pub roughness: f32,
+    /// Multiplies `roughness` by its green and `metallic` by its blue channel.
+    pub metallic_roughness_texture: Option<TextureRef>,
+    /// Tangent-space normal map.
+    pub normal_texture: Option<TextureRef>,
+    /// Scales the x and y of the normal map.
+    pub normal_scale: f32,
+    /// Emitted radiance, in nit (cd/m²).
+    pub emission: Vec3,
+    /// Multiplies `emission`.
+    pub emission_texture: Option<TextureRef>,
+    /// Fraction in `[0, 1]` of the light entering a dielectric that passes through.
+    pub transmission: f32,
+    /// Multiplies `transmission` by its red channel.
+    pub transmission_texture: Option<TextureRef>,
+    /// Index of refraction relative to air, at least 1.
+    pub ior: f32,
+    /// The surface is an infinitely thin sheet: transmitted light is not bent.
+    pub thin_walled: bool,
+    /// The colour that white light has after `attenuation_distance` inside; components in `(0, 1]`.
+    pub attenuation_color: Vec3,
+    /// Distance in metres of the Beer-Lambert law; infinite for a clear medium.
+    pub attenuation_distance: f32,
+    /// What alpha means.
+    pub alpha_mode: AlphaMode,
+    /// Back faces are shaded as fronts; otherwise they are still seen, with the normal turned.
+    pub double_sided: bool,
+    /// Shows its base colour as it is, without any light (KHR_materials_unlit).
+    pub unlit: bool,
+}
+
+impl Default for Material {
+    /// A white, fully rough dielectric.
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            base_color: Vec3::ONE,
+            alpha: 1.0,
+            base_color_texture: None,
+            metallic: 0.0,
+            roughness: 1.0,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            emission: Vec3::ZERO,
+            emission_texture: None,
+            transmission: 0.0,
+            transmission_texture: None,
+            ior: 1.5,
+            thin_walled: false,
+            attenuation_color: Vec3::ONE,
+            attenuation_distance: f32::INFINITY,
+            alpha_mode: AlphaMode::Opaque,
+            double_sided: false,
+            unlit: false,
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! How a picture is made, apart from the scene.
+
+/// The algorithm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Method {
+    /// One eye ray a sample, one shadow ray a light, local shading (Appel 1968).
+    RayCast,
+    /// Recursive mirrored and refracted rays (Whitted 1980).
+    #[default]
+    Whitted,
+}
+
+/// Where in a pixel the eye rays go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sampling {
+    /// The same number of samples in every pixel; 1 is the pixel's centre.
+    Fixed {
+        /// Samples a pixel, at least 1.
+        spp: u32,
+    },
+    /// A sample at every pixel corner; a pixel whose corners differ is divided into four, again and
+    /// again (Whitted 1980).
+    Adaptive {
+        /// Greatest difference of two corners, in any colour channel clipped to `[0, 1]`, that is not divided.
+        threshold: f32,
+        /// How often a pixel may be divided; 3 gives up to 81 samples a pixel.
+        levels: u32,
+    },
+}
+
+/// What a shadow ray does at glass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GlassShadows {
+    /// Glass blocks light like anything else.
+    Opaque,
+    /// Light passes straight through, weakened by the glass's transmission and absorption, as in
+    /// Whitted's paper. Right in tint, not in place: there are no caustics.
+    #[default]
+    Filtered,
+}
+
+/// How a picture is made. Change fields of [`Settings::default`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The algorithm.
+    pub method: Method,
+    /// Width and height in pixels, each at least 1.
+    pub resolution: [u32; 2],
+    /// Part of the picture to render: x0, y0 (included), x1, y1 (excluded), in pixels from the top
+    /// left; the rest stays empty. `None` is all of it.
+    pub crop: Option<[u32; 4]>,
+    /// Where the eye rays go.
+    pub sampling: Sampling,
+    /// Greatest number of mirrored or refracted rays one after the other; 0 is ray casting.
+    pub depth: u32,
+    /// Rays whose weight falls below this in every channel are not traced (Hall & Greenberg 1983);
+    /// 1/1024 is invisible in 8 bits.
+    pub min_weight: f32,
+    /// Whether lights cast shadows.
+    pub shadows: bool,
+    /// What a shadow ray does at glass.
+    pub glass_shadows: GlassShadows,
+    /// Changes the places of the samples in the pixels.
+    pub seed: u64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            method: Method::default(),
+            resolution: [640, 480],
+            crop: None,
+            sampling: Sampling::Fixed { spp: 1 },
+            depth: 8,
+            min_weight: 1.0 / 1024.0,
+            shadows: true,
+            glass_shadows: GlassShadows::default(),
+            seed: 0,
+        }
+    }
+}
