@@ -1,2 +1,21 @@
-//! The program.
-fn main() {}
+//! The program: `umbriel render`, `info`, `diff` and helpers around them.
+
+mod args;
+mod camera;
+mod completions;
+mod diff;
+mod errors;
+mod info;
+mod interrupt;
+mod output;
+mod plan;
+mod progress;
+mod render;
+mod run;
+mod summary;
+mod values;
+mod watch;
+
+fn main() -> std::process::ExitCode {
+    run::run()
+}

@@ -1,0 +1,255 @@
+//! The command line.
+
+use crate::values::{
+    Exposure, Resolution, parse_aovs, parse_crop, parse_definition, parse_exposure, parse_fov,
+    parse_resolution, parse_threshold, parse_tolerance, parse_vector,
+};
+use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
+use std::path::PathBuf;
+use umbriel_formats::render::{Aov, GlassShadows, Method, Tonemap};
+
+/// Shown at the end of every help text.
+const EXIT_CODES: &str = "\
+Exit codes:
+    0  done
+    1  diff: the pictures differ by more than allowed
+    2  wrong command line
+    3  a file is wrong, or something in it was ignored under --strict
+    4  a file cannot be read or written
+    5  a size is over a limit
+   70  internal error
+  130  interrupted; what was done of the picture is saved";
+
+/// Draws a scene by rays.
+#[derive(Debug, Parser)]
+#[command(name = "umbriel", version, after_help = EXIT_CODES, arg_required_else_help = true)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Render a scene to a picture
+    #[command(after_help = EXIT_CODES)]
+    Render(Box<RenderArgs>),
+    /// Say what is in a scene
+    Info(InfoArgs),
+    /// Compare two pictures
+    #[command(after_help = EXIT_CODES)]
+    Diff(DiffArgs),
+    /// Print the JSON Schema of scene files, for completion in editors
+    Schema,
+    /// Print a completion script for a shell
+    Completions {
+        /// Which shell
+        shell: clap_complete::Shell,
+    },
+    /// Print the manual page, or write one for each command into a folder
+    Man {
+        /// An existing folder
+        folder: Option<PathBuf>,
+    },
+}
+
+impl Command {
+    /// Whether results and errors are asked for as JSON.
+    pub(crate) fn json(&self) -> bool {
+        match self {
+            Self::Render(args) => args.json,
+            Self::Info(args) => args.json,
+            Self::Diff(args) => args.json,
+            Self::Schema | Self::Completions { .. } | Self::Man { .. } => false,
+        }
+    }
+}
+
+/// Options win over the scene file, and the scene file over the defaults.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct RenderArgs {
+    /// Scene (.toml) or model (.gltf, .glb, .obj, .ply, .stl)
+    pub(crate) scene: PathBuf,
+    /// Picture to write, .png or .exr; - is a PNG on standard output
+    #[arg(short, long, value_name = "PATH")]
+    pub(crate) output: PathBuf,
+    /// Size in pixels, or a percentage of the scene's own size
+    #[arg(short, long, value_name = "WxH|N%", value_parser = parse_resolution)]
+    pub(crate) resolution: Option<Resolution>,
+    /// Algorithm [default: whitted]
+    #[arg(short, long, value_enum)]
+    pub(crate) method: Option<MethodName>,
+    /// Samples a pixel [default: 1]
+    #[arg(short, long, value_name = "N", value_parser = value_parser!(u32).range(1..=65_536), conflicts_with = "adaptive")]
+    pub(crate) spp: Option<u32>,
+    /// Divide pixels whose corners differ by more than THRESHOLD (0 to 1)
+    #[arg(long, value_name = "THRESHOLD", num_args = 0..=1, require_equals = true, default_missing_value = "0.1", value_parser = parse_threshold)]
+    pub(crate) adaptive: Option<f32>,
+    /// Greatest number of mirrored or refracted rays one after the other [default: 8]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(0..=64))]
+    pub(crate) depth: Option<u32>,
+    /// Camera of the scene by its name, or by its number from 0 [default: the first]
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub(crate) camera: Option<String>,
+    /// Where the camera is
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vector, allow_hyphen_values = true)]
+    pub(crate) eye: Option<[f32; 3]>,
+    /// What the camera looks at
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vector, allow_hyphen_values = true)]
+    pub(crate) look_at: Option<[f32; 3]>,
+    /// What is upright in the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vector, allow_hyphen_values = true)]
+    pub(crate) up: Option<[f32; 3]>,
+    /// Vertical field of view
+    #[arg(long, value_name = "DEGREES", value_parser = parse_fov)]
+    pub(crate) fov: Option<f32>,
+    /// Render only this part; the rest of the picture stays empty
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_crop)]
+    pub(crate) crop: Option<[u32; 4]>,
+    /// Threads; 0 is one for each processor
+    #[arg(short, long, value_name = "N", default_value_t = 0, value_parser = value_parser!(u32).range(0..=1024))]
+    pub(crate) threads: u32,
+    /// Changes the places of the samples [default: 0]
+    #[arg(long, value_name = "N")]
+    pub(crate) seed: Option<u64>,
+    /// Brightness of a PNG in stops, or auto [default: 0; auto for models with lights of their own]
+    #[arg(long, value_name = "EV|auto", value_parser = parse_exposure, allow_hyphen_values = true)]
+    pub(crate) exposure: Option<Exposure>,
+    /// Tone curve of a PNG [default: neutral]
+    #[arg(long, value_enum)]
+    pub(crate) tonemap: Option<TonemapName>,
+    /// Layers to write beside the picture into an EXR file: depth, normal, position, albedo, instance,
+    /// primitive, material; or all
+    #[arg(long, value_name = "LIST|all", value_parser = parse_aovs)]
+    pub(crate) aov: Option<AovList>,
+    /// Let no light cast a shadow
+    #[arg(long)]
+    pub(crate) no_shadows: bool,
+    /// What a shadow ray does at glass [default: filtered]
+    #[arg(long, value_enum)]
+    pub(crate) glass_shadows: Option<GlassName>,
+    /// Set a field of the scene file by its path, as in render.depth=4 or camera.0.fov=30
+    #[arg(short = 'D', value_name = "KEY=VALUE", value_parser = parse_definition)]
+    pub(crate) definitions: Vec<(String, String)>,
+    /// Render again whenever the scene or a file it names changes
+    #[arg(long)]
+    pub(crate) watch: bool,
+    /// Print the result (or the error) as one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Say nothing but errors
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub(crate) quiet: bool,
+    /// Say more
+    #[arg(short, long)]
+    pub(crate) verbose: bool,
+    /// Fail when something in the scene is ignored
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// Fail when the picture exists already
+    #[arg(long)]
+    pub(crate) no_clobber: bool,
+}
+
+/// A type of its own, because clap gives `Vec` a meaning of its own.
+pub(crate) type AovList = Box<[Aov]>;
+
+/// Options of `info`.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct InfoArgs {
+    /// Scene (.toml) or model (.gltf, .glb, .obj, .ply, .stl)
+    pub(crate) scene: PathBuf,
+    /// Set a field of the scene file by its path
+    #[arg(short = 'D', value_name = "KEY=VALUE", value_parser = parse_definition)]
+    pub(crate) definitions: Vec<(String, String)>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Fail when something in the scene is ignored
+    #[arg(long)]
+    pub(crate) strict: bool,
+}
+
+/// Options of `diff`. PNG values count as shown, from 0 to 1; EXR values as stored.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct DiffArgs {
+    /// First picture, PNG or EXR
+    pub(crate) a: PathBuf,
+    /// Second picture of the same kind and size
+    pub(crate) b: PathBuf,
+    /// Write a PNG that shows the differences
+    #[arg(short, long, value_name = "PATH")]
+    pub(crate) output: Option<PathBuf>,
+    /// Differences of a value that do not count
+    #[arg(long, value_name = "DIFFERENCE", default_value_t = 0.0, value_parser = parse_tolerance)]
+    pub(crate) tolerance: f32,
+    /// Exit with 1 when more pixels differ
+    #[arg(long, value_name = "N")]
+    pub(crate) max_differing: Option<usize>,
+    /// Exit with 1 when the root mean square error is greater
+    #[arg(long, value_name = "RMSE", value_parser = parse_tolerance)]
+    pub(crate) max_rmse: Option<f32>,
+    /// Print one JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+/// Names of [`Method`].
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum MethodName {
+    /// One shadow ray a light, local shading (Appel 1968)
+    RayCast,
+    /// Mirrored and refracted rays (Whitted 1980)
+    Whitted,
+}
+
+impl From<MethodName> for Method {
+    fn from(name: MethodName) -> Self {
+        match name {
+            MethodName::RayCast => Self::RayCast,
+            MethodName::Whitted => Self::Whitted,
+        }
+    }
+}
+
+/// Names of [`Tonemap`].
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum TonemapName {
+    /// Clipped at white
+    Linear,
+    /// Khronos PBR Neutral
+    Neutral,
+    /// The usual fit of ACES
+    Aces,
+    /// AgX
+    Agx,
+}
+
+impl From<TonemapName> for Tonemap {
+    fn from(name: TonemapName) -> Self {
+        match name {
+            TonemapName::Linear => Self::Linear,
+            TonemapName::Neutral => Self::Neutral,
+            TonemapName::Aces => Self::Aces,
+            TonemapName::Agx => Self::Agx,
+        }
+    }
+}
+
+/// Names of [`GlassShadows`].
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum GlassName {
+    /// Glass blocks light
+    Opaque,
+    /// Light passes straight through, tinted
+    Filtered,
+}
+
+impl From<GlassName> for GlassShadows {
+    fn from(name: GlassName) -> Self {
+        match name {
+            GlassName::Opaque => Self::Opaque,
+            GlassName::Filtered => Self::Filtered,
+        }
+    }
+}

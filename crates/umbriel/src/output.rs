@@ -1,0 +1,74 @@
+//! From the film to the bytes of a file.
+
+use crate::{
+    args::RenderArgs,
+    errors::Failure,
+    plan::{Plan, Target},
+    run::print_bytes,
+    values::Exposure,
+};
+use umbriel_formats::{
+    ExrInfo, encode_exr, encode_png,
+    render::{Image, Layer, Method, Sampling, auto_exposure, develop},
+    write_file,
+};
+
+/// Writes the picture and says with which exposure in stops; EXR files hold light as it is.
+pub(crate) fn write_picture(
+    args: &RenderArgs,
+    plan: &Plan,
+    target: Target,
+    image: &Image,
+    layers: &[Layer],
+) -> Result<f32, Failure> {
+    if target == Target::Exr {
+        let comments = comments(args, plan);
+        let info = ExrInfo {
+            window: plan.settings.crop,
+            software: concat!("umbriel ", env!("CARGO_PKG_VERSION")),
+            comments: &comments,
+        };
+        write_file(&args.output, &encode_exr(image, layers, &info))?;
+        return Ok(0.0);
+    }
+    let stops = match plan.exposure {
+        Exposure::Stops(stops) => stops,
+        Exposure::Auto => auto_exposure(image),
+    };
+    let pixels = develop(image, stops, plan.tonemap);
+    let bytes = encode_png(image.width, image.height, &pixels);
+    match target {
+        Target::Stdout => print_bytes(&bytes)?,
+        Target::Png | Target::Exr => write_file(&args.output, &bytes)?,
+    }
+    Ok(stops)
+}
+
+/// What made the picture, for who finds it. No time and no path: the bytes depend on the scene alone.
+fn comments(args: &RenderArgs, plan: &Plan) -> String {
+    let scene = args.scene.file_name().unwrap_or_default().to_string_lossy();
+    let (method, samples) = (
+        method_name(plan.settings.method),
+        sampling_name(plan.settings.sampling),
+    );
+    format!(
+        "scene={scene}; method={method}; samples={samples}; seed={}",
+        plan.settings.seed
+    )
+}
+
+/// The method as on the command line.
+pub(crate) fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::RayCast => "ray-cast",
+        Method::Whitted => "whitted",
+    }
+}
+
+/// The sampling in words.
+pub(crate) fn sampling_name(sampling: Sampling) -> String {
+    match sampling {
+        Sampling::Fixed { spp } => format!("{spp} spp"),
+        Sampling::Adaptive { threshold, .. } => format!("adaptive {threshold}"),
+    }
+}

@@ -1,0 +1,212 @@
+//! What will be rendered: options over scene file over defaults, checked before any work.
+
+use crate::{
+    args::RenderArgs,
+    errors::{Exit, Failure},
+    values::{Exposure, Resolution},
+};
+use std::{fs, path::Path};
+use umbriel_formats::{
+    FileError, SceneSettings, check_output,
+    render::{Sampling, Settings, Tonemap},
+};
+
+/// Where the picture goes and as what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Target {
+    /// PNG bytes on standard output.
+    Stdout,
+    Png,
+    Exr,
+}
+
+/// Exposure when neither the options nor the scene say one.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    pub(crate) settings: Settings,
+    pub(crate) exposure: Exposure,
+    pub(crate) tonemap: Tonemap,
+}
+
+/// How often a pixel is divided unless the scene says otherwise.
+const LEVELS: u32 = 3;
+/// Greatest width or height, and greatest number of pixels.
+const MAX_SIDE: u64 = 65_535;
+const MAX_PIXELS: u64 = 1 << 28;
+
+/// Finds out what to write, and refuses what cannot be written, before the scene is read.
+pub(crate) fn check_target(args: &RenderArgs) -> Result<Target, Failure> {
+    let target = target_of(&args.output)?;
+    if target == Target::Stdout && args.json {
+        return Err(Failure::usage(
+            "--json and --output - both want standard output; expected a file",
+        ));
+    }
+    if args.aov.is_some() && target != Target::Exr {
+        let message = format!(
+            "--aov: {} holds no layers; expected an output .exr",
+            args.output.display()
+        );
+        return Err(Failure::usage(message));
+    }
+    if target != Target::Stdout {
+        if args.no_clobber && args.output.symlink_metadata().is_ok() {
+            let message = "exists already; --no-clobber keeps it";
+            return Err(FileError::io(&args.output, &std::io::Error::other(message)).into());
+        }
+        check_output(&args.output, &[&args.scene])?;
+    }
+    Ok(target)
+}
+
+fn target_of(path: &Path) -> Result<Target, Failure> {
+    if path == Path::new("-") {
+        return Ok(Target::Stdout);
+    }
+    let extension = path
+        .extension()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_ascii_lowercase();
+    match extension.as_str() {
+        "png" => Ok(Target::Png),
+        "exr" => Ok(Target::Exr),
+        _ => {
+            let message = format!(
+                "{}: unknown kind of picture; expected .png or .exr",
+                path.display()
+            );
+            Err(Failure::usage(message))
+        }
+    }
+}
+
+/// Merges options, scene file and defaults.
+pub(crate) fn make_plan(
+    args: &RenderArgs,
+    scene: &SceneSettings,
+    default: Exposure,
+) -> Result<Plan, Failure> {
+    let base = Settings::default();
+    let size = resolution(args.resolution, scene.resolution.unwrap_or(base.resolution))?;
+    let settings = Settings {
+        method: args
+            .method
+            .map(Into::into)
+            .or(scene.method)
+            .unwrap_or(base.method),
+        resolution: size,
+        crop: args.crop,
+        sampling: sampling(args, scene).unwrap_or(base.sampling),
+        depth: args.depth.or(scene.depth).unwrap_or(base.depth),
+        shadows: !args.no_shadows && scene.shadows.unwrap_or(base.shadows),
+        glass_shadows: args
+            .glass_shadows
+            .map(Into::into)
+            .or(scene.glass_shadows)
+            .unwrap_or(base.glass_shadows),
+        seed: args.seed.or(scene.seed).unwrap_or(base.seed),
+        ..base
+    };
+    if let Some(crop) = args.crop
+        && (crop[2] > size[0] || crop[3] > size[1])
+    {
+        let message = format!(
+            "--crop reaches outside the picture of {}x{} pixels",
+            size[0], size[1]
+        );
+        return Err(Failure::usage(message));
+    }
+    Ok(Plan {
+        settings,
+        exposure: args
+            .exposure
+            .or(scene.exposure.map(Exposure::Stops))
+            .unwrap_or(default),
+        tonemap: args
+            .tonemap
+            .map(Into::into)
+            .or(scene.tonemap)
+            .unwrap_or_default(),
+    })
+}
+
+fn sampling(args: &RenderArgs, scene: &SceneSettings) -> Option<Sampling> {
+    if let Some(spp) = args.spp {
+        return Some(Sampling::Fixed { spp });
+    }
+    let Some(threshold) = args.adaptive else {
+        return scene.sampling;
+    };
+    let levels = match scene.sampling {
+        Some(Sampling::Adaptive { levels, .. }) => levels,
+        _ => LEVELS,
+    };
+    Some(Sampling::Adaptive { threshold, levels })
+}
+
+fn resolution(asked: Option<Resolution>, own: [u32; 2]) -> Result<[u32; 2], Failure> {
+    let [width, height] = match asked {
+        None => own.map(u64::from),
+        Some(Resolution::Pixels(width, height)) => [width, height],
+        Some(Resolution::Scale(scale)) => {
+            own.map(|side| ((f64::from(side) * scale).round() as u64).max(1))
+        }
+    };
+    let fits = width <= MAX_SIDE && height <= MAX_SIDE && width * height <= MAX_PIXELS;
+    if fits {
+        return Ok([width as u32, height as u32]);
+    }
+    let bytes = width as f64 * height as f64 * PIXEL_BYTES as f64;
+    let message = format!(
+        "a picture of {width}x{height} takes {} of memory; expected at most {MAX_SIDE} pixels a side and {MAX_PIXELS} in all",
+        memory(bytes)
+    );
+    Err(Failure::new(Exit::Limit, message))
+}
+
+/// Bytes for each pixel of a PNG while it is made: the film, the developed pixel, its copy for the encoder.
+const PIXEL_BYTES: u64 = 16 + 4 + 4;
+
+/// Refuses a picture that does not fit into the memory that is free now, where the system tells it.
+///
+/// `channels` are those of an EXR file beside the film: each exists as layer and in the encoder.
+pub(crate) fn check_memory([width, height]: [u32; 2], channels: u64) -> Result<(), Failure> {
+    let bytes = u64::from(width) * u64::from(height) * (PIXEL_BYTES + 8 * channels);
+    // Small pictures are not worth the question.
+    if bytes < 1 << 28 {
+        return Ok(());
+    }
+    match available_memory() {
+        Some(free) if bytes > free => {
+            let (needed, free) = (memory(bytes as f64), memory(free as f64));
+            let message = format!(
+                "a picture of {width}x{height} takes {needed} of memory, but only {free} are free"
+            );
+            Err(Failure::new(Exit::Limit, message))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// `MemAvailable` of Linux, in bytes.
+fn available_memory() -> Option<u64> {
+    let text = fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text
+        .lines()
+        .find_map(|line| line.strip_prefix("MemAvailable:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024)
+}
+
+/// A number of bytes for people.
+pub(crate) fn memory(bytes: f64) -> String {
+    let units = ["B", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
+    let power = ((bytes.max(1.0).log2() / 10.0) as usize).min(units.len() - 1);
+    let value = bytes / 1024_f64.powi(power as i32);
+    if power == 0 {
+        format!("{value} B")
+    } else {
+        format!("{value:.1} {}", units[power])
+    }
+}

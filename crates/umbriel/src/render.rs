@@ -1,0 +1,184 @@
+//! `umbriel render`: from a scene file to a picture file.
+
+use crate::{
+    args::RenderArgs,
+    camera::choose_camera,
+    errors::{Exit, Failure},
+    info::is_model,
+    interrupt::{self, Phase, STOP},
+    output::write_picture,
+    plan::{self, Plan, Target, check_memory, check_target, make_plan},
+    progress::Progress,
+    run::print_line,
+    summary::{Phases, Summary, print_loaded},
+    values::Exposure,
+    watch,
+};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::time::Instant;
+use umbriel_formats::{
+    LoadOptions, Loaded, load_scene,
+    render::{Camera, Control, Film, Layer, SceneBvh, render, render_aovs},
+};
+
+/// Renders once, or again and again.
+pub(crate) fn run(args: &RenderArgs, start: Instant) -> Result<(), Failure> {
+    interrupt::install();
+    if args.watch {
+        return watch::run(args);
+    }
+    render_once(args, start)
+}
+
+/// Loads, renders and writes; `start` is when the work began.
+pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failure> {
+    let target = check_target(args)?;
+    let pool = build_pool(args.threads)?;
+    let (loaded, load) = timed(|| pool.install(|| load(args)));
+    let loaded = loaded?;
+    let plan = make_plan(args, &loaded.settings, default_exposure(args, &loaded))?;
+    let layer_channels: usize = args
+        .aov
+        .iter()
+        .flatten()
+        .map(|aov| aov.channels().len())
+        .sum();
+    let channels = if target == Target::Exr {
+        4 + layer_channels
+    } else {
+        0
+    };
+    check_memory(plan.settings.resolution, channels as u64)?;
+    let camera = choose_camera(&loaded.scene, args)?;
+    if !args.quiet {
+        print_loaded(args, &loaded, &plan, &camera, target);
+    }
+
+    let (bvh, build) = timed(|| pool.install(|| SceneBvh::build(&loaded.scene)));
+    let ((film, layers), render) = timed(|| trace(args, &pool, &bvh, &camera, &plan));
+    if interrupt::stopped() && film.stats.pixels == 0 {
+        return Err(Failure::new(
+            Exit::Interrupted,
+            "interrupted before anything was done; nothing was written",
+        ));
+    }
+    interrupt::enter(Phase::Writing);
+    let (written, write) = timed(|| write_picture(args, &plan, target, &film.image, &layers));
+    interrupt::enter(Phase::Waiting);
+
+    let summary = Summary {
+        args,
+        loaded: &loaded,
+        plan: &plan,
+        stats: film.stats,
+        exposure: written?,
+        threads: pool.current_num_threads(),
+        bvh_memory: bvh.memory(),
+        phases: Phases {
+            load,
+            build,
+            render,
+            write,
+            total: start.elapsed().as_secs_f64(),
+        },
+    };
+    report(args, &summary)
+}
+
+fn report(args: &RenderArgs, summary: &Summary) -> Result<(), Failure> {
+    if !args.quiet {
+        summary.print();
+    }
+    if args.json {
+        print_line(&summary.to_json().to_string())?;
+    }
+    if summary.unfinished() > 0 {
+        return Err(Failure::silent(Exit::Interrupted));
+    }
+    Ok(())
+}
+
+/// Reads the scene and holds it to `--strict`.
+fn load(args: &RenderArgs) -> Result<Loaded, Failure> {
+    let options = LoadOptions {
+        overrides: args.definitions.clone(),
+    };
+    let loaded = load_scene(&args.scene, &options)?;
+    if args.strict {
+        refuse_ignored(args, &loaded)?;
+    }
+    Ok(loaded)
+}
+
+fn refuse_ignored(args: &RenderArgs, loaded: &Loaded) -> Result<(), Failure> {
+    match crate::summary::ignored_line(&loaded.report) {
+        None => Ok(()),
+        Some(line) => {
+            let message = format!(
+                "{}: {line}; --strict refuses what has no effect",
+                args.scene.display()
+            );
+            Err(Failure::new(Exit::Input, message))
+        }
+    }
+}
+
+/// Models bring lights in physical units, which are far from the range of a screen; a scene file is
+/// written for the picture it gives, and so is the sun that a model without lights gets.
+fn default_exposure(args: &RenderArgs, loaded: &Loaded) -> Exposure {
+    let own_lights = !loaded
+        .report
+        .notes
+        .iter()
+        .any(|note| note.contains("no light"));
+    if is_model(&args.scene) && own_lights && !loaded.scene.lights.is_empty() {
+        Exposure::Auto
+    } else {
+        Exposure::Stops(0.0)
+    }
+}
+
+fn trace(
+    args: &RenderArgs,
+    pool: &ThreadPool,
+    bvh: &SceneBvh,
+    camera: &Camera,
+    plan: &Plan,
+) -> (Film, Vec<Layer>) {
+    let progress = Progress::new(args.quiet);
+    let control = Control {
+        stop: &STOP,
+        progress: &|done, total| progress.update(done, total),
+    };
+    interrupt::enter(Phase::Rendering);
+    let film = pool.install(|| render(bvh, camera, &plan.settings, &control));
+    progress.finish();
+    let layers = match &args.aov {
+        Some(aovs) if !interrupt::stopped() => {
+            pool.install(|| render_aovs(bvh, camera, &plan.settings, aovs))
+        }
+        _ => Vec::new(),
+    };
+    (film, layers)
+}
+
+fn build_pool(threads: u32) -> Result<ThreadPool, Failure> {
+    ThreadPoolBuilder::new()
+        .num_threads(threads as usize)
+        .build()
+        .map_err(|error| Failure::new(Exit::Limit, format!("--threads {threads}: {error}")))
+}
+
+/// What `work` gives, and how many seconds it takes.
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+    let start = Instant::now();
+    let result = work();
+    (result, start.elapsed().as_secs_f64())
+}
+
+/// Whether a note about an option without effect is due, and which.
+pub(crate) fn idle_options(args: &RenderArgs, target: plan::Target) -> Option<&'static str> {
+    let tone = args.exposure.is_some() || args.tonemap.is_some();
+    (target == Target::Exr && tone)
+        .then_some("--exposure and --tonemap have no effect on EXR, which holds light as it is")
+}

@@ -1,0 +1,219 @@
+//! What a render says: what was loaded, what was ignored, how long it took.
+
+use crate::{
+    args::RenderArgs,
+    info::Contents,
+    output::{method_name, sampling_name},
+    plan::{Plan, Target, memory},
+    render::idle_options,
+    values::Exposure,
+};
+use serde_json::{Value, json};
+use std::path::Path;
+use umbriel_formats::{
+    Loaded, Report,
+    render::{Camera, Sampling, Stats, Tonemap},
+};
+
+/// Seconds that each phase took.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Phases {
+    pub(crate) load: f64,
+    pub(crate) build: f64,
+    pub(crate) render: f64,
+    pub(crate) write: f64,
+    /// From the start of the program, or of this picture under `--watch`.
+    pub(crate) total: f64,
+}
+
+/// Everything about one finished picture.
+pub(crate) struct Summary<'a> {
+    pub(crate) args: &'a RenderArgs,
+    pub(crate) loaded: &'a Loaded,
+    pub(crate) plan: &'a Plan,
+    pub(crate) stats: Stats,
+    /// Stops that were applied.
+    pub(crate) exposure: f32,
+    pub(crate) threads: usize,
+    /// Bytes of the bounding volume hierarchies.
+    pub(crate) bvh_memory: usize,
+    pub(crate) phases: Phases,
+}
+
+/// Says what was loaded, decided and ignored, before the render.
+pub(crate) fn print_loaded(
+    args: &RenderArgs,
+    loaded: &Loaded,
+    plan: &Plan,
+    camera: &Camera,
+    target: Target,
+) {
+    let contents = Contents::of(&loaded.scene);
+    eprintln!(
+        "{}: {}, camera {:?}",
+        args.scene.display(),
+        contents.line(),
+        camera.name
+    );
+    for note in &loaded.report.notes {
+        eprintln!("note: {note}");
+    }
+    if let Some(line) = ignored_line(&loaded.report) {
+        eprintln!("{line}");
+    }
+    if let Some(note) = idle_options(args, target) {
+        eprintln!("note: {note}");
+    }
+    if args.verbose {
+        let s = &plan.settings;
+        let (shadows, glass, depth) = (s.shadows, s.glass_shadows, s.depth);
+        eprintln!(
+            "scene {}, depth {depth}, shadows {shadows}, at glass {glass:?}, seed {}",
+            memory(contents.memory as f64),
+            s.seed
+        );
+    }
+}
+
+/// What was ignored, by name and number, in one line.
+pub(crate) fn ignored_line(report: &Report) -> Option<String> {
+    let names: Vec<String> = report
+        .ignored
+        .iter()
+        .map(|(name, count)| {
+            if *count == 1 {
+                name.clone()
+            } else {
+                format!("{name} ({count})")
+            }
+        })
+        .collect();
+    (!names.is_empty()).then(|| format!("ignored: {}", names.join(", ")))
+}
+
+impl Summary<'_> {
+    /// Pixels that an interrupt left empty.
+    pub(crate) fn unfinished(&self) -> u64 {
+        let [width, height] = self.plan.settings.resolution;
+        let [x0, y0, x1, y1] = self.plan.settings.crop.unwrap_or([0, 0, width, height]);
+        (u64::from(x1 - x0) * u64::from(y1 - y0)).saturating_sub(self.stats.pixels)
+    }
+
+    fn rays(&self) -> u64 {
+        self.stats.rays + self.stats.shadow_rays
+    }
+
+    fn output(&self) -> String {
+        let path = &self.args.output;
+        if path == Path::new("-") {
+            "standard output".to_owned()
+        } else {
+            path.display().to_string()
+        }
+    }
+
+    /// Writes the summary for people.
+    pub(crate) fn print(&self) {
+        let Phases {
+            load,
+            build,
+            render,
+            write,
+            total,
+        } = self.phases;
+        if self.args.verbose {
+            let (threads, bvh) = (self.threads, memory(self.bvh_memory as f64));
+            eprintln!(
+                "{} rays, {} shadow rays, {threads} threads, hierarchies {bvh}",
+                self.stats.rays, self.stats.shadow_rays
+            );
+        }
+        if self.stats.bad_samples > 0 {
+            eprintln!(
+                "warning: {} samples were no finite numbers and count as black",
+                self.stats.bad_samples
+            );
+        }
+        if self.plan.exposure == Exposure::Auto {
+            eprintln!(
+                "note: exposure chosen for the picture: {:+.2} stops; --exposure sets it",
+                self.exposure
+            );
+        }
+        let [load, build, render_time, write, total] =
+            [load, build, render, write, total].map(seconds);
+        eprintln!("load {load}, build {build}, render {render_time}, write {write}");
+        let settings = &self.plan.settings;
+        let [width, height] = settings.resolution;
+        let what = format!(
+            "{width}x{height} {} {}",
+            method_name(settings.method),
+            sampling_name(settings.sampling)
+        );
+        let rate = self.rays() as f64 / render.max(1e-9) / 1e6;
+        let saved = match self.unfinished() {
+            0 => "saved".to_owned(),
+            n => format!("interrupted, {n} pixels are empty: saved"),
+        };
+        eprintln!("{saved} {} {what} {total} {rate:.1} Mrays/s", self.output());
+    }
+
+    /// The summary for programs.
+    pub(crate) fn to_json(&self) -> Value {
+        let settings = &self.plan.settings;
+        let (spp, adaptive) = match settings.sampling {
+            Sampling::Fixed { spp } => (json!(spp), Value::Null),
+            Sampling::Adaptive { threshold, levels } => (
+                Value::Null,
+                json!({ "threshold": threshold, "levels": levels }),
+            ),
+        };
+        let contents = Contents::of(&self.loaded.scene);
+        json!({
+            "output": self.args.output.display().to_string(),
+            "width": settings.resolution[0],
+            "height": settings.resolution[1],
+            "crop": settings.crop,
+            "method": method_name(settings.method),
+            "spp": spp,
+            "adaptive": adaptive,
+            "depth": settings.depth,
+            "seed": settings.seed,
+            "threads": self.threads,
+            "phases": {
+                "load": self.phases.load,
+                "build": self.phases.build,
+                "render": self.phases.render,
+                "write": self.phases.write,
+                "total": self.phases.total,
+            },
+            "rays": self.stats.rays,
+            "shadow_rays": self.stats.shadow_rays,
+            "bad_samples": self.stats.bad_samples,
+            "unfinished_pixels": self.unfinished(),
+            "triangles": contents.triangles,
+            "ignored": self.loaded.report.ignored,
+            "notes": self.loaded.report.notes,
+            "exposure": self.exposure,
+            "tonemap": tonemap_name(self.plan.tonemap),
+        })
+    }
+}
+
+fn tonemap_name(tonemap: Tonemap) -> &'static str {
+    match tonemap {
+        Tonemap::Linear => "linear",
+        Tonemap::Neutral => "neutral",
+        Tonemap::Aces => "aces",
+        Tonemap::Agx => "agx",
+    }
+}
+
+/// A time for people.
+fn seconds(seconds: f64) -> String {
+    if seconds < 1.0 {
+        format!("{:.1} ms", seconds * 1e3)
+    } else {
+        format!("{seconds:.2} s")
+    }
+}
