@@ -1,7 +1,7 @@
 //! Axis-aligned bounding boxes and the slab test.
 
 use crate::Ray;
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 
 /// A closed axis-aligned box; empty when `min > max` in any component.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,18 +27,30 @@ impl Aabb {
     /// This box grown to hold `point`.
     #[inline]
     pub fn including(self, point: Vec3) -> Self {
+        self.union(Self {
+            min: point,
+            max: point,
+        })
+    }
+
+    /// The least box that holds both. NaN bounds in `other` are ignored.
+    #[inline]
+    pub fn union(self, other: Self) -> Self {
+        // The comparisons are false for NaN, and the select keeps what was there.
         Self {
-            min: self.min.min(point),
-            max: self.max.max(point),
+            min: Vec3::select(other.min.cmplt(self.min), other.min, self.min),
+            max: Vec3::select(other.max.cmpgt(self.max), other.max, self.max),
         }
     }
 
-    /// The least box that holds both.
-    #[inline]
-    pub fn union(self, other: Self) -> Self {
+    /// The box from `center − reach` to `center + reach`, rounded outwards by an f32 ulp on either side.
+    pub(crate) fn from_reach(center: DVec3, reach: DVec3) -> Self {
+        // Covers the few f64 roundings in `center` and `reach`, where the sum cancels.
+        let reach = reach + (center.abs() + reach) * (8.0 * f64::EPSILON);
+        let (min, max) = ((center - reach).as_vec3(), (center + reach).as_vec3());
         Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
+            min: Vec3::new(min.x.next_down(), min.y.next_down(), min.z.next_down()),
+            max: Vec3::new(max.x.next_up(), max.y.next_up(), max.z.next_up()),
         }
     }
 
@@ -79,11 +91,15 @@ impl Aabb {
         let center = transform.transform_point3(self.center());
         let half = 0.5 * self.extent();
         let m = transform.matrix3;
-        let reach = Vec3::from(m.x_axis).abs() * half.x
-            + Vec3::from(m.y_axis).abs() * half.y
-            + Vec3::from(m.z_axis).abs() * half.z;
-        // Four rounded products and sums a component: 8 ulp is a safe bound of their error.
-        let slack = (center.abs() + Vec3::from(transform.translation).abs() + reach) * (8.0 * f32::EPSILON);
+        let reach_of = |v: Vec3| {
+            Vec3::from(m.x_axis).abs() * v.x
+                + Vec3::from(m.y_axis).abs() * v.y
+                + Vec3::from(m.z_axis).abs() * v.z
+        };
+        let reach = reach_of(half);
+        // Up to eight roundings of half an ulp, each relative to the terms before they cancel.
+        let terms = reach_of(self.center().abs() + half) + Vec3::from(transform.translation).abs();
+        let slack = terms * (8.0 * f32::EPSILON);
         Self {
             min: center - reach - slack,
             max: center + reach + slack,
@@ -98,31 +114,64 @@ impl Aabb {
 /// t ∈ [ (min_i − o_i)/d_i , (max_i − o_i)/d_i ]      (ends swapped for d_i < 0)
 /// ```
 /// and inside the box where all three intervals and the ray's own overlap. `inv_dir` is
-/// `1 / ray.dir`, computed once for many boxes. The exit is enlarged by 2 ulp, so that rounding
-/// never turns a hit into a miss: the test is conservative.
+/// `1 / ray.dir`, computed once for many boxes.
+///
+/// Rounding never turns a hit into a miss, for rays with `t.min ≥ 0`: an end has three roundings, and its
+/// widening by 2 ulp = 4u = 4·2⁻²⁴ (itself rounded) covers all four, `(1 + u)⁴ ≤ 1 + 4u` short of u².
+/// So every f32 `t` at which the exact ray is in the box lies between the two results.
 ///
 /// A ray parallel to a slab divides by zero: ±∞ give the right answer, and the `0·∞ = NaN` of an
 /// origin in the slab's very face is dropped by the order of the comparisons (the slab then counts
-/// as entered). Negative zero directions are covered.
+/// as entered). Negative zero directions are covered. Components below 2⁻¹²⁸, whose reciprocal
+/// overflows, count as zero.
 ///
-/// Source: Kay & Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986; the 2 ulp: Ize, "Robust BVH
+/// Source: Kay & Kajiya, "Ray Tracing Complex Scenes", SIGGRAPH 1986; the widening: Ize, "Robust BVH
 /// Ray Traversal", Journal of Computer Graphics Techniques 2(2), 2013.
 #[inline]
 pub fn intersect_aabb(ray: &Ray, inv_dir: Vec3, aabb: &Aabb) -> Option<(f32, f32)> {
+    const ULPS: f32 = 2.0 * f32::EPSILON;
     let t_a = (aabb.min - ray.origin) * inv_dir;
     let t_b = (aabb.max - ray.origin) * inv_dir;
-    let mut t_near = ray.t.min;
-    let mut t_far = ray.t.max;
+    let mut t_near = f32::NEG_INFINITY;
+    let mut t_far = f32::INFINITY;
     for i in 0..3 {
         let (near, far) = if inv_dir[i] >= 0.0 {
             (t_a[i], t_b[i])
         } else {
             (t_b[i], t_a[i])
         };
-        let far = far * (1.0 + 2.0 * f32::EPSILON);
         // Comparisons with NaN are false: a NaN leaves the running interval as it is.
         t_near = if near > t_near { near } else { t_near };
         t_far = if far < t_far { far } else { t_far };
     }
+    let t_near = (t_near * (1.0 - ULPS)).max(ray.t.min);
+    let t_far = (t_far * (1.0 + ULPS)).min(ray.t.max);
     (t_near <= t_far).then_some((t_near, t_far))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entry_and_exit_of_a_known_box() {
+        let b = Aabb {
+            min: Vec3::NEG_ONE,
+            max: Vec3::ONE,
+        };
+        let ray = Ray::new(Vec3::new(-3.0, 0.0, 0.0), Vec3::X);
+        let (near, far) = intersect_aabb(&ray, ray.dir.recip(), &b).expect("through the middle");
+        assert!(near <= 2.0 && near > 1.999_999 && far >= 4.0 && far < 4.000_002);
+        let beside = Ray::new(Vec3::new(-3.0, 1.000_000_1, 0.0), Vec3::X);
+        assert!(intersect_aabb(&beside, beside.dir.recip(), &b).is_none());
+        let behind = Ray::new(Vec3::new(3.0, 0.0, 0.0), Vec3::X);
+        assert!(intersect_aabb(&behind, behind.dir.recip(), &b).is_none());
+        assert_eq!(b.half_area(), 12.0);
+    }
+
+    #[test]
+    fn reach_is_rounded_outwards() {
+        let b = Aabb::from_reach(DVec3::splat(0.1), DVec3::splat(0.2));
+        assert!(f64::from(b.max.x) > 0.1 + 0.2 && f64::from(b.min.x) < 0.1 - 0.2);
+    }
 }

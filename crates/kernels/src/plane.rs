@@ -52,10 +52,40 @@ pub(crate) fn plane_axes(n: DVec3) -> (DVec3, DVec3) {
 pub fn intersect_plane(ray: &Ray, plane: &Plane) -> Option<f32> {
     let n = plane.normal.as_dvec3();
     let denominator = ray.dir.as_dvec3().dot(n);
-    if denominator == 0.0 {
+    if denominator == 0.0 || !denominator.is_finite() {
         return None;
     }
     let t = (plane.point.as_dvec3() - ray.origin.as_dvec3()).dot(n) / denominator;
     let t = t as f32;
     ray.t.contains(t).then_some(t)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_floor_has_x_to_the_right_and_z_towards_the_viewer() {
+        let floor = Plane {
+            point: Vec3::new(0.0, 1.0, 0.0),
+            normal: 5.0 * Vec3::Y,
+        };
+        let s = floor.point_at(Vec3::new(2.0, 1.1, -3.0));
+        assert_eq!((s.p, s.n), (Vec3::new(2.0, 1.0, -3.0), Vec3::Y));
+        assert_eq!((s.uv.to_array(), s.tangent), ([2.0, 3.0], Vec3::X));
+    }
+
+    #[test]
+    fn axes_are_right_handed_with_every_normal() {
+        for n in [
+            DVec3::X,
+            DVec3::Y,
+            DVec3::Z,
+            DVec3::NEG_Z,
+            DVec3::new(0.6, 0.0, -0.8),
+        ] {
+            let (u, v) = plane_axes(n);
+            assert!((u.cross(v) - n).length() < 1e-15 && u.dot(n).abs() < 1e-15);
+        }
+    }
 }

@@ -21,10 +21,10 @@ impl Interval {
         max: f32::INFINITY,
     };
 
-    /// Tells whether `min < t ≤ max`. NaN is in no interval.
+    /// Tells whether `min < t ≤ max` and `t` is finite: NaN and ±∞ are in no interval.
     #[inline]
     pub fn contains(self, t: f32) -> bool {
-        self.min < t && t <= self.max
+        self.min < t && t <= self.max && t < f32::INFINITY
     }
 }
 
@@ -66,5 +66,31 @@ impl Ray {
             dir: transform.transform_vector3(self.dir),
             t: self.t,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn intervals_exclude_min_and_include_max() {
+        let t = Interval { min: 1.0, max: 2.0 };
+        assert!(!t.contains(1.0) && t.contains(1.0_f32.next_up()));
+        assert!(t.contains(2.0) && !t.contains(2.0_f32.next_up()));
+        assert!(!t.contains(f32::NAN));
+        assert!(!Interval::POSITIVE.contains(0.0) && !Interval::POSITIVE.contains(-0.0));
+        assert!(
+            Interval::POSITIVE.contains(f32::MAX) && !Interval::POSITIVE.contains(f32::INFINITY)
+        );
+    }
+
+    #[test]
+    fn t_keeps_its_meaning_in_another_space() {
+        let ray = Ray::new(Vec3::X, Vec3::NEG_Z);
+        let transform = Affine3A::from_scale(Vec3::new(2.0, 3.0, 4.0));
+        let moved = ray.transformed(&transform);
+        assert_eq!(moved.at(0.5), transform.transform_point3(ray.at(0.5)));
+        assert_eq!(moved.t, ray.t);
     }
 }

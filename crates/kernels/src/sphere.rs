@@ -81,3 +81,39 @@ pub fn intersect_sphere(ray: &Ray, sphere: &Sphere) -> Option<f32> {
         ray.t.contains(far).then_some(far)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn texture_coordinates_follow_the_globe() {
+        let sphere = Sphere {
+            center: Vec3::ONE,
+            radius: 2.0,
+        };
+        for (n, uv) in [
+            (Vec3::X, [0.0, 0.5]),
+            (Vec3::NEG_Z, [0.25, 0.5]),
+            (Vec3::NEG_X, [0.5, 0.5]),
+            (Vec3::Z, [0.75, 0.5]),
+        ] {
+            let s = sphere.point_at(Vec3::ONE + 2.1 * n);
+            assert_eq!((s.p, s.n, s.uv.to_array()), (Vec3::ONE + 2.0 * n, n, uv));
+            assert_eq!(s.tangent, Vec3::Y.cross(n));
+        }
+        for (n, v) in [(Vec3::Y, 1.0), (Vec3::NEG_Y, 0.0)] {
+            let s = sphere.point_at(Vec3::ONE + n);
+            assert_eq!((s.n, s.uv.y, s.tangent), (n, v, Vec3::X));
+        }
+    }
+
+    #[test]
+    fn the_centre_has_a_point_too() {
+        let sphere = Sphere {
+            center: Vec3::ZERO,
+            radius: 1.0,
+        };
+        assert_eq!(sphere.point_at(Vec3::ZERO).p, Vec3::Y);
+    }
+}
