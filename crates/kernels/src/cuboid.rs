@@ -32,7 +32,7 @@ impl Cuboid {
         let (n, u_axis, v_axis) = FACES[part.min(5) as usize];
         let mut p = p.max(self.min).min(self.max);
         let axis = (part.min(5) / 2) as usize;
-        p[axis] = if part % 2 == 0 {
+        p[axis] = if part.is_multiple_of(2) {
             self.min[axis]
         } else {
             self.max[axis]

@@ -33,3 +33,18 @@ pub struct SurfacePoint {
     /// Unit tangent along growing `u`.
     pub tangent: glam::Vec3,
 }
+
+/// What a ray through a scene meets first; the rasteriser gives the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// Number of the instance in the scene.
+    pub instance: u32,
+    /// Number of the triangle in the instance's mesh, or the part of its surface.
+    pub primitive: u32,
+    /// Barycentric weight of a triangle's second corner; 0 for surfaces.
+    pub u: f32,
+    /// Barycentric weight of a triangle's third corner; 0 for surfaces.
+    pub v: f32,
+    /// Ray parameter.
+    pub t: f32,
+}

@@ -1,16 +1,56 @@
-//! Rays meet surfaces.
+//! Rays meet surfaces: intersection functions and a bounding volume hierarchy.
 //!
 //! Each topic has a **slide**: one short function that follows its source and is the specification.
+//! A miss is `None`; there is no epsilon to tune; no input panics.
+//!
+//! | topic | slide | source | twin |
+//! |---|---|---|---|
+//! | sphere | [`intersect_sphere`] | Haines, Günther & Akenine-Möller 2019 | - |
+//! | plane | [`intersect_plane`] | Glassner 1989 | - |
+//! | disk | [`intersect_disk`] | Glassner 1989 | - |
+//! | rectangle | [`intersect_rectangle`] | Glassner 1989 | - |
+//! | solid box | [`intersect_cuboid`] | Kay & Kajiya 1986 | - |
+//! | cylinder | [`intersect_cylinder`] | Cychosz & Waggenspack 1994 | - |
+//! | cone, truncated cone | [`intersect_cone`] | Cychosz & Waggenspack 1994 | - |
+//! | torus | [`intersect_torus`] | Hanrahan 1989 | - |
+//! | triangle | [`intersect_triangle`] | Möller & Trumbore 1997 | - |
+//! | triangle, watertight | [`intersect_triangle_watertight`] | Woop, Benthin & Wald 2013 | - |
+//! | bounding box | [`intersect_aabb`] | Kay & Kajiya 1986, Ize 2013 | - |
+//! | hierarchy of boxes | [`Bvh`] | Wald 2007 | - |
+//! | start of a secondary ray | [`offset_origin`] | Pharr, Jakob & Humphreys 2023 | - |
+//! | roots of polynomials | [`polynomial`] | Press et al. 2007 | - |
+//!
+//! ```
+//! use umbriel_kernels::{Ray, Sphere, Surface, glam::Vec3, intersect_surface};
+//!
+//! let ball = Surface::Sphere(Sphere {
+//!     center: Vec3::new(0.0, 1.0, 0.0),
+//!     radius: 1.0,
+//! });
+//! let ray = Ray::new(Vec3::new(0.0, 1.0, 5.0), Vec3::NEG_Z);
+//!
+//! let hit = intersect_surface(&ray, &ball).expect("aimed at the middle");
+//! assert_eq!(hit.t, 4.0);
+//! let point = ball.point_at(hit.part, ray.at(hit.t));
+//! assert_eq!((point.p, point.n), (Vec3::new(0.0, 1.0, 1.0), Vec3::Z));
+//! ```
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
+#![allow(
+    clippy::neg_cmp_op_on_partial_ord,
+    reason = "`!(x >= 0.0)` is how NaN becomes a miss"
+)]
 
 mod aabb;
+mod bvh;
 mod cone;
 mod cuboid;
 mod cylinder;
 mod disk;
 mod hit;
+mod offset;
 mod plane;
+pub mod polynomial;
 mod ray;
 mod rectangle;
 mod sphere;
@@ -19,16 +59,20 @@ mod torus;
 mod triangle;
 
 pub use aabb::{Aabb, intersect_aabb};
+pub use bvh::Bvh;
 pub use cone::{Cone, intersect_cone};
 pub use cuboid::{Cuboid, intersect_cuboid};
 pub use cylinder::{Cylinder, intersect_cylinder};
 pub use disk::{Disk, intersect_disk};
 pub use glam;
-pub use hit::{SurfaceHit, SurfacePoint, TriangleHit};
+pub use hit::{Hit, SurfaceHit, SurfacePoint, TriangleHit};
+pub use offset::{gamma, offset_origin};
 pub use plane::{Plane, intersect_plane};
 pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};
 pub use sphere::{Sphere, intersect_sphere};
 pub use surface::{Surface, intersect_surface};
 pub use torus::{Torus, intersect_torus};
-pub use triangle::Triangle;
+pub use triangle::{
+    ShearedRay, Triangle, intersect_triangle, intersect_triangle_sheared, intersect_triangle_watertight,
+};

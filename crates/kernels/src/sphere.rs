@@ -48,16 +48,18 @@ impl Sphere {
 /// For the ray `o + t·d` and `f = o − center`, the hits solve `a t² + 2 b t + c = 0` with
 /// ```text
 /// a = d·d      b = f·d      c = f·f − r²
-/// Δ = r² − |f − (b/a) d|²                  (discriminant over a, from the foot of the perpendicular)
-/// q = −b − sign(b)·√(a Δ)      t₁ = q/a      t₂ = c/q
+/// Δ = b² − a c = a r² − |f × d|²
+/// q = −b − sign(b)·√Δ      t₁ = q/a      t₂ = c/q
 /// ```
-/// `Δ` is taken from the perpendicular's foot and the second root from the product of the roots:
-/// neither form cancels for a small sphere far away or for an origin near a huge sphere. Computed
-/// in f64, so that a sphere of radius 1e6 has a smooth surface to f32's last digit. A ray that
-/// touches the sphere (`Δ = 0`) hits it; an origin inside hits the far wall.
+/// `|f × d|/|d|` is the distance of the centre from the line. The discriminant is taken from it, and
+/// the second root from the product of the roots: neither form cancels for a small sphere far away
+/// or for an origin near a huge sphere. Computed in f64, so that a sphere of radius 1e6 has a
+/// smooth surface to f32's last digit. A ray that touches the sphere (`Δ = 0`) hits it; an origin
+/// inside hits the far wall.
 ///
 /// Source: Haines, Günther & Akenine-Möller, "Precision Improvements for Ray/Sphere
-/// Intersection", Ray Tracing Gems, chapter 7, 2019.
+/// Intersection", Ray Tracing Gems, chapter 7, 2019 (there the discriminant comes from the foot of the
+/// perpendicular, `|f − (b/a) d|`, which is the same distance at the price of a division).
 #[inline]
 pub fn intersect_sphere(ray: &Ray, sphere: &Sphere) -> Option<f32> {
     let d = ray.dir.as_dvec3();
@@ -66,13 +68,16 @@ pub fn intersect_sphere(ray: &Ray, sphere: &Sphere) -> Option<f32> {
 
     let a = d.dot(d);
     let b = f.dot(d);
-    let foot = f - d * (b / a);
-    let delta = r * r - foot.dot(foot);
+    let c = f.dot(f) - r * r;
+    // Outside and looking away: both roots are behind the origin.
+    if c > 0.0 && b > 0.0 {
+        return None;
+    }
+    let delta = a * (r * r) - f.cross(d).length_squared();
     if !(delta >= 0.0) {
         return None;
     }
-    let c = f.dot(f) - r * r;
-    let q = -b - (a * delta).sqrt().copysign(b);
+    let q = -b - delta.sqrt().copysign(b);
     let (t1, t2) = (q / a, c / q);
     let (near, far) = (t1.min(t2) as f32, t1.max(t2) as f32);
     if ray.t.contains(near) {

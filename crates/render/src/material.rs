@@ -104,3 +104,40 @@ impl Default for Material {
         }
     }
 }
+
+impl Material {
+    /// The fraction of light that is left after `distance` metres inside, by colour.
+    ///
+    /// ```text
+    /// T = attenuation_color ^ (distance / attenuation_distance)  =  exp(−σ d)
+    /// ```
+    /// 1 for a clear medium (infinite `attenuation_distance`) and for thin walls.
+    ///
+    /// Source: Beer, Annalen der Physik 86, 1852; Khronos, KHR_materials_volume, "Attenuation".
+    #[inline]
+    pub fn absorption(&self, distance: f32) -> Vec3 {
+        if self.attenuation_distance == f32::INFINITY || self.thin_walled {
+            return Vec3::ONE;
+        }
+        let share = distance / self.attenuation_distance;
+        self.attenuation_color.map(|c| c.powf(share))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn absorption_multiplies_along_the_way() {
+        let glass = Material {
+            attenuation_color: Vec3::new(0.5, 0.25, 1.0),
+            attenuation_distance: 2.0,
+            ..Material::default()
+        };
+        assert!((glass.absorption(2.0) - glass.attenuation_color).length() < 1e-6);
+        let twice = glass.absorption(1.5) * glass.absorption(2.5);
+        assert!((glass.absorption(4.0) - twice).length() < 1e-6);
+        assert_eq!(Material::default().absorption(1e9), Vec3::ONE);
+    }
+}

@@ -41,6 +41,11 @@ impl Mesh {
 
     /// The box around all vertices that a triangle uses; empty for a mesh without triangles.
     pub fn bounds(&self) -> Aabb {
-        Aabb::from_points(self.indices.iter().flatten().map(|&i| self.positions[i as usize]))
+        Aabb::from_points(
+            self.indices
+                .iter()
+                .flatten()
+                .map(|&i| self.positions[i as usize]),
+        )
     }
 }

@@ -1,0 +1,118 @@
+//! The rough specular lobe: microfacets with the GGX distribution.
+
+use std::f32::consts::PI;
+use umbriel_kernels::glam::{Vec2, Vec3};
+
+/// `D V` of the Cook-Torrance model; times the Fresnel factor it is the specular `f`, in 1/sr.
+///
+/// `alpha` is the width in `(0, 1]` (perceptual roughness squared), `half` the unit bisector of `wo` and `wi`.
+/// ```text
+/// D = α² / (π ((n·h)² (α² − 1) + 1)²)
+/// V = 1 / (2 ( (n·wi) √((n·wo)²(1 − α²) + α²) + (n·wo) √((n·wi)²(1 − α²) + α²) ))
+/// ```
+/// 0 where either direction is behind the surface.
+///
+/// Source: Walter, Marschner, Li & Torrance, EGSR 2007 (D); Heitz, "Understanding the Masking-Shadowing
+/// Function", JCGT 3(2), 2014 (height-correlated V).
+#[inline]
+pub fn eval_ggx(alpha: f32, n: Vec3, half: Vec3, wo: Vec3, wi: Vec3) -> f32 {
+    let (cos_o, cos_i, cos_h) = (n.dot(wo), n.dot(wi), n.dot(half));
+    if !(cos_o > 0.0 && cos_i > 0.0) {
+        return 0.0;
+    }
+    let a2 = alpha * alpha;
+    let d = cos_h * cos_h * (a2 - 1.0) + 1.0;
+    let masking_o = (cos_o * cos_o * (1.0 - a2) + a2).sqrt();
+    let masking_i = (cos_i * cos_i * (1.0 - a2) + a2).sqrt();
+    a2 / (PI * d * d) * 0.5 / (cos_i * masking_o + cos_o * masking_i)
+}
+
+/// The fraction of uniform light from all sides that the lobe reflects towards `wo`, approximately.
+///
+/// `cos_o = n·wo` in `[0, 1]`, `roughness` perceptual in `[0, 1]`, `f0` the reflectance at normal incidence.
+///
+/// Source: Karis, "Physically Based Shading on Mobile", 2014 (a fit after Lazarov, 2013).
+#[inline]
+pub fn albedo_ggx(cos_o: f32, roughness: f32, f0: Vec3) -> Vec3 {
+    let x = 1.0 - roughness;
+    let y = 0.0425 - 0.0275 * roughness;
+    let z = 1.04 - 0.572 * roughness;
+    let w = -0.04 + 0.022 * roughness;
+    let a = (x * x).min((-9.28 * cos_o).exp2()) * x + y;
+    let ab = Vec2::new(-1.04, 1.04) * a + Vec2::new(z, w);
+    (f0 * ab.x + Vec3::splat(ab.y)).max(Vec3::ZERO)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI as PI64;
+
+    fn hemisphere(rows: u32, columns: u32) -> impl Iterator<Item = (Vec3, f64)> {
+        (0..rows * columns).map(move |k| {
+            let cos = (f64::from(k / columns) + 0.5) / f64::from(rows);
+            let phi = 2.0 * PI64 * (f64::from(k % columns) + 0.5) / f64::from(columns);
+            let sin = (1.0 - cos * cos).sqrt();
+            let w = Vec3::new(
+                (sin * phi.cos()) as f32,
+                cos as f32,
+                (sin * phi.sin()) as f32,
+            );
+            (w, 2.0 * PI64 / f64::from(rows * columns))
+        })
+    }
+
+    /// The microfacets' projected areas sum to the surface's: ∫ D (n·h) dh = 1.
+    #[test]
+    fn distribution_is_normalised() {
+        for alpha in [0.1_f32, 0.3, 0.7, 1.0] {
+            let a2 = f64::from(alpha * alpha);
+            let sum: f64 = hemisphere(2000, 8)
+                .map(|(h, dw)| {
+                    let cos = f64::from(h.y);
+                    a2 / (PI64 * (cos * cos * (a2 - 1.0) + 1.0).powi(2)) * cos * dw
+                })
+                .sum();
+            assert!((sum - 1.0).abs() < 2e-3, "{alpha}: {sum}");
+        }
+    }
+
+    /// With F = 1 a white surface never reflects more than it gets, and loses little when smooth.
+    #[test]
+    fn white_furnace_stays_below_one() {
+        for (alpha, least) in [(0.1_f32, 0.97), (0.3, 0.9), (1.0, 0.4)] {
+            let wo = Vec3::new(0.6, 0.8, 0.0);
+            let sum: f64 = hemisphere(1000, 500)
+                .map(|(wi, dw)| {
+                    let half = (wo + wi).normalize();
+                    f64::from(eval_ggx(alpha, Vec3::Y, half, wo, wi) * wi.y) * dw
+                })
+                .sum();
+            assert!(sum <= 1.001 && sum > least, "{alpha}: {sum}");
+        }
+    }
+
+    /// The fit against the integral it stands for.
+    #[test]
+    fn albedo_is_near_the_integral() {
+        for roughness in [0.2_f32, 0.5, 1.0] {
+            for cos_o in [0.3_f32, 0.7, 1.0] {
+                let wo = Vec3::new((1.0 - cos_o * cos_o).sqrt(), cos_o, 0.0);
+                let f0 = Vec3::splat(0.5);
+                let sum: f64 = hemisphere(1000, 500)
+                    .map(|(wi, dw)| {
+                        let half = (wo + wi).normalize();
+                        let f = crate::fresnel::fresnel_schlick(wo.dot(half), f0).x;
+                        f64::from(f * eval_ggx(roughness * roughness, Vec3::Y, half, wo, wi) * wi.y)
+                            * dw
+                    })
+                    .sum();
+                let fit = f64::from(albedo_ggx(cos_o, roughness, f0).x);
+                assert!(
+                    (fit - sum).abs() < 0.08,
+                    "{roughness} {cos_o}: {fit} against {sum}"
+                );
+            }
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! The film: what a render leaves behind.
+
+use crate::Image;
+
+/// A rendered picture with what it took.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    /// The picture, linear.
+    pub image: Image,
+    /// Counters.
+    pub stats: Stats,
+}
+
+/// Counters of a render.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stats {
+    /// Eye, mirrored and refracted rays.
+    pub rays: u64,
+    /// Shadow rays: questions whether a light is seen.
+    pub shadow_rays: u64,
+    /// Samples that were not finite numbers; they count as black.
+    pub bad_samples: u64,
+    /// Finished pixels; fewer than asked for when the render was stopped.
+    pub pixels: u64,
+}
+
+impl std::ops::Add for Stats {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            rays: self.rays + other.rays,
+            shadow_rays: self.shadow_rays + other.shadow_rays,
+            bad_samples: self.bad_samples + other.bad_samples,
+            pixels: self.pixels + other.pixels,
+        }
+    }
+}

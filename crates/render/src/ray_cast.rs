@@ -1,0 +1,42 @@
+//! Ray casting: one eye ray, one shadow ray a light, local shading.
+//!
+//! Source: Appel, "Some Techniques for Shading Machine Renderings of Solids", AFIPS 1968.
+
+use crate::{
+    Bsdf, Environment, SurfaceInteraction,
+    bsdf::albedo_ggx,
+    fresnel::{normal_reflectance, reflect},
+};
+use umbriel_kernels::glam::Vec3;
+
+/// Ray casting sees one surface: glass is drawn as if it let nothing through.
+pub(crate) fn simplify(bsdf: &mut Bsdf) {
+    bsdf.transmission = 0.0;
+}
+
+/// Light from the surroundings in place of indirect light: all of the specular lobe reflects the ambient light.
+pub(crate) fn ambient(environment: &Environment, surface: &SurfaceInteraction) -> Vec3 {
+    ambient_reflection(environment, surface, 1.0)
+}
+
+/// The reflection of the ambient light, as if nothing stood in its way: all of the diffuse lobe and the share
+/// `specular` of the specular one.
+pub(crate) fn ambient_reflection(
+    environment: &Environment,
+    surface: &SurfaceInteraction,
+    specular: f32,
+) -> Vec3 {
+    let bsdf = &surface.bsdf;
+    let cos_o = surface.ns.dot(surface.wo).clamp(0.0, 1.0);
+    let coat = albedo_ggx(
+        cos_o,
+        bsdf.roughness,
+        Vec3::splat(normal_reflectance(bsdf.ior)),
+    );
+    let diffuse = bsdf.diffuse_color() * (Vec3::ONE - coat) * environment.ambient(surface.ns);
+    if specular == 0.0 {
+        return diffuse;
+    }
+    let mirrored = environment.ambient(reflect(surface.wo, surface.ns));
+    diffuse + albedo_ggx(cos_o, bsdf.roughness, bsdf.f0()) * mirrored * specular
+}

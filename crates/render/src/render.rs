@@ -1,0 +1,166 @@
+//! From a scene to a film: tiles on all threads, samples in each pixel.
+
+use crate::{
+    Camera, CameraFrame, Film, Image, Sampling, SceneBvh, Settings, Stats, adaptive,
+    sampler::sample_pixel, trace::Tracer,
+};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use umbriel_kernels::{
+    Ray,
+    glam::{Vec2, Vec3},
+};
+
+/// Height of a tile and width of a tile in pixels. Small enough that a batch stays in the cache,
+/// flat because a band of rows belongs to one thread.
+const TILE: [u32; 2] = [32, 8];
+/// Most eye rays in a batch.
+const BATCH: usize = 1024;
+
+/// How a running render is watched and stopped.
+#[derive(Clone, Copy)]
+pub struct Control<'a> {
+    /// Set to true from anywhere to stop; tiles not begun stay empty (alpha 0).
+    pub stop: &'a AtomicBool,
+    /// Called from the rendering threads with the number of finished pixels and of all pixels.
+    pub progress: &'a (dyn Fn(u64, u64) + Sync),
+}
+
+/// A part of the picture: `x0, y0` included, `x1, y1` excluded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Tile {
+    pub(crate) x0: u32,
+    pub(crate) y0: u32,
+    pub(crate) x1: u32,
+    pub(crate) y1: u32,
+}
+
+impl Tile {
+    /// The pixels row by row.
+    pub(crate) fn pixels(self) -> impl Iterator<Item = (u32, u32)> {
+        (self.y0..self.y1).flat_map(move |y| (self.x0..self.x1).map(move |x| (x, y)))
+    }
+
+    pub(crate) fn len(self) -> usize {
+        ((self.x1 - self.x0) * (self.y1 - self.y0)) as usize
+    }
+}
+
+/// Renders the scene as the camera sees it, on the rayon pool that it is called in.
+///
+/// The scene must have passed [`Scene::validate`](crate::Scene::validate), the settings must be in the ranges
+/// that their fields state, and the crop inside the picture. The bytes of the result do not depend
+/// on the number of threads.
+pub fn render(bvh: &SceneBvh, camera: &Camera, settings: &Settings, control: &Control) -> Film {
+    let [width, height] = settings.resolution;
+    let [x0, y0, x1, y1] = settings.crop.unwrap_or([0, 0, width, height]);
+    let total = u64::from(x1 - x0) * u64::from(y1 - y0);
+    let mut image = Image {
+        width: width as usize,
+        height: height as usize,
+        pixels: vec![[0.0; 4]; width as usize * height as usize],
+    };
+    let frame = camera.frame(settings.resolution);
+    let done = AtomicU64::new(0);
+    // A band is a row of tiles; each belongs to one thread, so no two threads write near each other.
+    let crop_rows = y0 as usize * width as usize..y1 as usize * width as usize;
+    let stats = image.pixels[crop_rows]
+        .par_chunks_mut((TILE[1] * width) as usize)
+        .enumerate()
+        .map_init(
+            || Tracer::new(bvh, settings),
+            |tracer, (number, band)| {
+                let before = counters(tracer);
+                let top = y0 + number as u32 * TILE[1];
+                let mut pixels = 0;
+                for left in (x0..x1).step_by(TILE[0] as usize) {
+                    if control.stop.load(Ordering::Relaxed) {
+                        break;
+                    }
+                    let tile = Tile {
+                        x0: left,
+                        y0: top,
+                        x1: (left + TILE[0]).min(x1),
+                        y1: (top + TILE[1]).min(y1),
+                    };
+                    for ((x, y), color) in tile
+                        .pixels()
+                        .zip(render_tile(tracer, &frame, settings, tile))
+                    {
+                        band[((y - top) * width + x) as usize] = color.extend(1.0).to_array();
+                    }
+                    pixels += tile.len() as u64;
+                    let finished =
+                        done.fetch_add(tile.len() as u64, Ordering::Relaxed) + tile.len() as u64;
+                    (control.progress)(finished, total);
+                }
+                let after = counters(tracer);
+                Stats {
+                    rays: after.rays - before.rays,
+                    shadow_rays: after.shadow_rays - before.shadow_rays,
+                    bad_samples: after.bad_samples - before.bad_samples,
+                    pixels,
+                }
+            },
+        )
+        .reduce(Stats::default, |a, b| a + b);
+    Film { image, stats }
+}
+
+fn counters(tracer: &Tracer) -> Stats {
+    Stats {
+        rays: tracer.rays,
+        shadow_rays: tracer.shadow_rays(),
+        bad_samples: tracer.bad_samples,
+        pixels: 0,
+    }
+}
+
+/// The mean radiance of each pixel of a tile, row by row.
+fn render_tile(
+    tracer: &mut Tracer,
+    frame: &CameraFrame,
+    settings: &Settings,
+    tile: Tile,
+) -> Vec<Vec3> {
+    match settings.sampling {
+        Sampling::Fixed { spp } => render_fixed(tracer, frame, tile, spp, settings.seed),
+        Sampling::Adaptive { threshold, levels } => {
+            adaptive::render_tile(tracer, frame, tile, threshold, levels)
+        }
+    }
+}
+
+/// The same number of samples in every pixel, summed in their order.
+fn render_fixed(
+    tracer: &mut Tracer,
+    frame: &CameraFrame,
+    tile: Tile,
+    spp: u32,
+    seed: u64,
+) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::ZERO; tile.len()];
+    let mut rays: Vec<Ray> = Vec::with_capacity(BATCH);
+    let mut radiance = vec![Vec3::ZERO; BATCH];
+    let mut pending = Vec::with_capacity(BATCH);
+    let mut flush = |rays: &mut Vec<Ray>, pending: &mut Vec<usize>| {
+        tracer.trace(rays, &mut radiance[..rays.len()]);
+        for (&pixel, &sample) in pending.iter().zip(&radiance) {
+            sums[pixel] += sample;
+        }
+        rays.clear();
+        pending.clear();
+    };
+    for (i, (x, y)) in tile.pixels().enumerate() {
+        for sample in 0..spp {
+            let place = sample_pixel(x, y, sample, spp, seed);
+            rays.push(frame.ray(Vec2::new(x as f32, y as f32) + place));
+            pending.push(i);
+            if rays.len() == BATCH {
+                flush(&mut rays, &mut pending);
+            }
+        }
+    }
+    flush(&mut rays, &mut pending);
+    sums.iter().map(|&sum| sum / spp as f32).collect()
+}

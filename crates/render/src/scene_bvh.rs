@@ -1,0 +1,239 @@
+//! The batch seam between renderers and kernels: which rays of a batch hit what.
+
+use crate::{AlphaMode, Geometry, InstanceId, Mesh, Scene, surface};
+use umbriel_kernels::{
+    Aabb, Bvh, Hit, Ray, ShearedRay, Surface, glam::Affine3A, intersect_surface,
+    intersect_triangle_sheared,
+};
+
+/// A scene made ready for rays: one tree over its instances, and one over the triangles of each mesh.
+///
+/// [`SceneBvh::intersect`] and [`SceneBvh::occluded`] are the only doors between renderers and
+/// kernels. Among hits at equal `t` the lower (instance, primitive) wins.
+#[derive(Debug)]
+pub struct SceneBvh<'a> {
+    scene: &'a Scene,
+    placed: Vec<Placed<'a>>,
+    /// Over the instances with a box; its items are positions in `placed`.
+    bounded: Bvh,
+    /// Instances without a box: planes.
+    unbounded: Vec<u32>,
+    /// One tree over the triangles of each mesh.
+    meshes: Vec<Bvh>,
+}
+
+/// An instance with what every ray needs of it.
+#[derive(Debug)]
+pub(crate) struct Placed<'a> {
+    shape: Shape<'a>,
+    /// World to object space; `None` where both are the same.
+    pub(crate) to_object: Option<Affine3A>,
+    /// Its material has holes that depend on the place.
+    holes: bool,
+}
+
+#[derive(Debug)]
+enum Shape<'a> {
+    Mesh { mesh: &'a Mesh, bvh: usize },
+    Surface(&'a Surface),
+}
+
+impl<'a> SceneBvh<'a> {
+    /// Builds all trees. The scene must have passed [`Scene::validate`].
+    pub fn build(scene: &'a Scene) -> Self {
+        use rayon::prelude::*;
+        let meshes: Vec<Bvh> = scene.meshes.par_iter().map(build_mesh).collect();
+        let placed: Vec<Placed> = scene.instances.iter().map(|i| place(scene, i)).collect();
+        let mut boxes = Vec::with_capacity(placed.len());
+        let mut unbounded = Vec::new();
+        for (k, instance) in scene.instances.iter().enumerate() {
+            let own = match &placed[k].shape {
+                Shape::Mesh { bvh, .. } => Some(meshes[*bvh].bounds()),
+                Shape::Surface(surface) => surface.bounds(),
+            };
+            if own.is_none() {
+                unbounded.push(k as u32);
+            }
+            // An empty box keeps the numbers in step and is left out of the tree.
+            let aabb = own.unwrap_or(Aabb::EMPTY);
+            boxes.push(match placed[k].to_object {
+                Some(_) => aabb.transformed(&instance.transform),
+                None => aabb,
+            });
+        }
+        Self {
+            scene,
+            placed,
+            bounded: Bvh::build(&boxes),
+            unbounded,
+            meshes,
+        }
+    }
+
+    /// The scene that was built.
+    pub fn scene(&self) -> &'a Scene {
+        self.scene
+    }
+
+    /// Bytes that the trees hold on the heap.
+    pub fn memory(&self) -> usize {
+        self.bounded.memory() + self.meshes.iter().map(Bvh::memory).sum::<usize>()
+    }
+
+    /// The first thing that each ray meets.
+    ///
+    /// Holes of materials with [`AlphaMode::Mask`] are not met. `hits` is as long as `rays`.
+    pub fn intersect(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len());
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.closest(ray);
+        }
+    }
+
+    /// Whether anything stands in each ray's way. `occluded` is as long as `rays`.
+    pub fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
+        assert_eq!(rays.len(), occluded.len());
+        for (ray, occluded) in rays.iter().zip(occluded) {
+            *occluded = self.any(ray);
+        }
+    }
+
+    pub(crate) fn placed(&self, instance: InstanceId) -> &Placed<'a> {
+        &self.placed[instance.index()]
+    }
+
+    fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let mut ray = *ray;
+        let mut best = None;
+        for &k in &self.unbounded {
+            self.closest_in(&mut ray, k, &mut best);
+        }
+        self.bounded
+            .closest(&mut ray, |ray, k| self.closest_in(ray, k, &mut best));
+        best
+    }
+
+    fn any(&self, ray: &Ray) -> bool {
+        self.unbounded.iter().any(|&k| self.any_in(ray, k))
+            || self.bounded.any(ray, |ray, k| self.any_in(ray, k))
+    }
+
+    /// Tests one instance; a hit that wins replaces `best` and shortens `ray`.
+    #[inline]
+    fn closest_in(&self, ray: &mut Ray, k: u32, best: &mut Option<Hit>) {
+        let placed = &self.placed[k as usize];
+        let mut accept = |ray: &mut Ray, hit: Hit| {
+            if wins(&hit, best.as_ref()) && !(placed.holes && self.is_hole(ray, &hit)) {
+                ray.t.max = hit.t;
+                *best = Some(hit);
+            }
+        };
+        // t means the same in both spaces, so the object ray and the world ray shrink together.
+        let mut object_ray = placed.object_ray(ray);
+        match &placed.shape {
+            Shape::Surface(surface) => {
+                if let Some(found) = intersect_surface(&object_ray, surface) {
+                    let hit = Hit {
+                        instance: k,
+                        primitive: found.part,
+                        u: 0.0,
+                        v: 0.0,
+                        t: found.t,
+                    };
+                    accept(&mut object_ray, hit);
+                }
+            }
+            Shape::Mesh { mesh, bvh } => {
+                let sheared = ShearedRay::new(&object_ray);
+                self.meshes[*bvh].closest(&mut object_ray, |ray, i| {
+                    if let Some(found) =
+                        intersect_triangle_sheared(&sheared, ray.t, &mesh.triangle(i as usize))
+                    {
+                        let hit = Hit {
+                            instance: k,
+                            primitive: i,
+                            u: found.u,
+                            v: found.v,
+                            t: found.t,
+                        };
+                        accept(ray, hit);
+                    }
+                });
+            }
+        }
+        ray.t.max = object_ray.t.max;
+    }
+
+    #[inline]
+    fn any_in(&self, ray: &Ray, k: u32) -> bool {
+        let placed = &self.placed[k as usize];
+        if placed.holes {
+            let mut best = None;
+            self.closest_in(&mut ray.clone(), k, &mut best);
+            return best.is_some();
+        }
+        let object_ray = placed.object_ray(ray);
+        match &placed.shape {
+            Shape::Surface(surface) => intersect_surface(&object_ray, surface).is_some(),
+            Shape::Mesh { mesh, bvh } => {
+                let sheared = ShearedRay::new(&object_ray);
+                self.meshes[*bvh].any(&object_ray, |ray, i| {
+                    intersect_triangle_sheared(&sheared, ray.t, &mesh.triangle(i as usize))
+                        .is_some()
+                })
+            }
+        }
+    }
+
+    /// Tells whether the material has a hole at the hit of this object-space ray.
+    fn is_hole(&self, object_ray: &Ray, hit: &Hit) -> bool {
+        let material =
+            &self.scene.materials[self.scene.instances[hit.instance as usize].material.index()];
+        match material.alpha_mode {
+            AlphaMode::Mask { cutoff } => surface::alpha_at(self.scene, object_ray, hit) < cutoff,
+            AlphaMode::Opaque | AlphaMode::Blend => false,
+        }
+    }
+}
+
+impl Placed<'_> {
+    #[inline]
+    fn object_ray(&self, ray: &Ray) -> Ray {
+        match &self.to_object {
+            Some(to_object) => ray.transformed(to_object),
+            None => *ray,
+        }
+    }
+}
+
+/// Nearer wins; at equal `t` the lower (instance, primitive).
+#[inline]
+fn wins(hit: &Hit, best: Option<&Hit>) -> bool {
+    best.is_none_or(|best| {
+        hit.t < best.t
+            || (hit.t == best.t && (hit.instance, hit.primitive) < (best.instance, best.primitive))
+    })
+}
+
+fn build_mesh(mesh: &Mesh) -> Bvh {
+    let boxes: Vec<Aabb> = (0..mesh.indices.len())
+        .map(|i| mesh.triangle(i).bounds())
+        .collect();
+    Bvh::build(&boxes)
+}
+
+fn place<'a>(scene: &'a Scene, instance: &crate::Instance) -> Placed<'a> {
+    let shape = match instance.geometry {
+        Geometry::Mesh(id) => Shape::Mesh {
+            mesh: &scene.meshes[id.index()],
+            bvh: id.index(),
+        },
+        Geometry::Surface(id) => Shape::Surface(&scene.surfaces[id.index()]),
+    };
+    let material = &scene.materials[instance.material.index()];
+    Placed {
+        shape,
+        to_object: (instance.transform != Affine3A::IDENTITY).then(|| instance.transform.inverse()),
+        holes: matches!(material.alpha_mode, AlphaMode::Mask { .. }),
+    }
+}

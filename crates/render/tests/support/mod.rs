@@ -1,0 +1,105 @@
+//! Small scenes and random numbers for the tests.
+#![allow(dead_code, reason = "each test program uses its own part")]
+
+use std::sync::atomic::AtomicBool;
+use umbriel_render::{
+    Camera, Control, Film, Geometry, Instance, Material, MaterialId, Mesh, MeshId, Scene, SceneBvh,
+    Settings, SurfaceId,
+    kernels::{
+        Surface,
+        glam::{Affine3A, Vec3},
+    },
+    render,
+};
+
+/// Adds a surface of its own material to a scene.
+pub(crate) fn add_surface(scene: &mut Scene, surface: Surface, material: Material) {
+    scene.surfaces.push(surface);
+    let geometry = Geometry::Surface(SurfaceId(scene.surfaces.len() as u32 - 1));
+    add_instance(scene, geometry, material, Affine3A::IDENTITY);
+}
+
+/// Adds a mesh of its own material to a scene.
+pub(crate) fn add_mesh(scene: &mut Scene, mesh: Mesh, material: Material) {
+    scene.meshes.push(mesh);
+    let geometry = Geometry::Mesh(MeshId(scene.meshes.len() as u32 - 1));
+    add_instance(scene, geometry, material, Affine3A::IDENTITY);
+}
+
+pub(crate) fn add_instance(
+    scene: &mut Scene,
+    geometry: Geometry,
+    material: Material,
+    transform: Affine3A,
+) {
+    scene.materials.push(material);
+    scene.instances.push(Instance {
+        name: String::new(),
+        geometry,
+        transform,
+        material: MaterialId(scene.materials.len() as u32 - 1),
+        inside_out: false,
+    });
+}
+
+/// Renders without anybody watching.
+pub(crate) fn draw(scene: &Scene, camera: &Camera, settings: &Settings) -> Film {
+    scene.validate().expect("test scenes are valid");
+    let control = Control {
+        stop: &AtomicBool::new(false),
+        progress: &|_, _| {},
+    };
+    render(&SceneBvh::build(scene), camera, settings, &control)
+}
+
+/// The radiance in the middle of a picture of one pixel.
+pub(crate) fn look(scene: &Scene, camera: &Camera, settings: &Settings) -> Vec3 {
+    let settings = Settings {
+        resolution: [1, 1],
+        ..settings.clone()
+    };
+    let [r, g, b, _] = draw(scene, camera, &settings).image.pixels[0];
+    Vec3::new(r, g, b)
+}
+
+/// A small generator for tests: SplitMix64.
+pub(crate) struct Random(pub(crate) u64);
+
+impl Random {
+    pub(crate) fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        x ^ (x >> 31)
+    }
+
+    /// In `[0, 1)`.
+    pub(crate) fn unit(&mut self) -> f32 {
+        (self.bits() >> 40) as f32 / (1 << 24) as f32
+    }
+
+    pub(crate) fn range(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.unit()
+    }
+
+    /// Equally likely on every logarithmic scale.
+    pub(crate) fn log_range(&mut self, low: f32, high: f32) -> f32 {
+        self.range(low.ln(), high.ln()).exp()
+    }
+
+    pub(crate) fn vec3(&mut self, low: f32, high: f32) -> Vec3 {
+        Vec3::new(
+            self.range(low, high),
+            self.range(low, high),
+            self.range(low, high),
+        )
+    }
+
+    /// Uniform on the unit sphere.
+    pub(crate) fn direction(&mut self) -> Vec3 {
+        let z = self.range(-1.0, 1.0);
+        let (sin, cos) = self.range(0.0, std::f32::consts::TAU).sin_cos();
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        Vec3::new(r * cos, r * sin, z)
+    }
+}
