@@ -1,6 +1,6 @@
 //! Solid cones and truncated cones.
 
-use crate::cylinder::cap_interval;
+use crate::cylinder::{cap_interval, convex_hit};
 use crate::disk::{disk_bounds, disk_point};
 use crate::plane::plane_axes;
 use crate::{Aabb, Ray, SurfaceHit, SurfacePoint};
@@ -102,7 +102,7 @@ pub fn intersect_cone(ray: &Ray, cone: &Cone) -> Option<SurfaceHit> {
     let (h, n) = (axis.length(), axis.normalize());
     let k = (f64::from(cone.radius_b) - f64::from(cone.radius_a)) / h;
 
-    let (cap_in, cap_out) = cap_interval(f.dot(n), d.dot(n), h);
+    let caps = cap_interval(f.dot(n), d.dot(n), h);
     let (big_d, big_f) = (d.cross(n), f.cross(n));
     let dd = big_d.dot(big_d);
     let t0 = if dd == 0.0 {
@@ -110,7 +110,7 @@ pub fn intersect_cone(ray: &Ray, cone: &Cone) -> Option<SurfaceHit> {
     } else {
         -big_f.dot(big_d) / dd
     };
-    let t0 = t0.max(cap_in.0).min(cap_out.0);
+    let t0 = t0.max(caps.0.0).min(caps.1.0);
     let f0 = big_f + t0 * big_d;
     let m = k * d.dot(n);
     let rho = f64::from(cone.radius_a) + k * (f + t0 * d).dot(n);
@@ -120,24 +120,7 @@ pub fn intersect_cone(ray: &Ray, cone: &Cone) -> Option<SurfaceHit> {
         f0.dot(f0) - rho * rho,
         m,
     )?;
-
-    let near = if t0 + enter >= cap_in.0 {
-        (t0 + enter, 0)
-    } else {
-        cap_in
-    };
-    let far = if t0 + leave <= cap_out.0 {
-        (t0 + leave, 0)
-    } else {
-        cap_out
-    };
-    if !(near.0 <= far.0) {
-        return None;
-    }
-    [near, far]
-        .map(|(t, part)| SurfaceHit { t: t as f32, part })
-        .into_iter()
-        .find(|hit| ray.t.contains(hit.t))
+    convex_hit((t0 + enter, t0 + leave), caps, ray.t)
 }
 
 /// The interval where `a s² + 2 b s + c ≤ 0` on the nappe towards which `m` points.

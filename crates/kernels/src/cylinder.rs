@@ -2,7 +2,7 @@
 
 use crate::cone::cone_side_point;
 use crate::disk::{disk_bounds, disk_point};
-use crate::{Aabb, Ray, SurfaceHit, SurfacePoint};
+use crate::{Aabb, Interval, Ray, SurfaceHit, SurfacePoint};
 use glam::Vec3;
 
 /// The solid cylinder around the axis from `a` to `b`, with both caps.
@@ -68,6 +68,31 @@ pub(crate) fn cap_interval(z: f64, dz: f64, height: f64) -> ((f64, u32), (f64, u
     }
 }
 
+/// The first end, in the ray's interval, of the overlap of side and caps; the side wins ties.
+pub(crate) fn convex_hit(
+    side: (f64, f64),
+    (cap_in, cap_out): ((f64, u32), (f64, u32)),
+    interval: Interval,
+) -> Option<SurfaceHit> {
+    let near = if side.0 >= cap_in.0 {
+        (side.0, 0)
+    } else {
+        cap_in
+    };
+    let far = if side.1 <= cap_out.0 {
+        (side.1, 0)
+    } else {
+        cap_out
+    };
+    if !(near.0 <= far.0) {
+        return None;
+    }
+    [near, far]
+        .map(|(t, part)| SurfaceHit { t: t as f32, part })
+        .into_iter()
+        .find(|hit| interval.contains(hit.t))
+}
+
 /// Intersects a ray with a solid cylinder; gives the nearest `t` in the ray's interval and its part.
 ///
 /// For the unit axis `n`, height `h = |b − a|` and `f = o − a`, with `D = d × n` and `F = f × n`,
@@ -90,7 +115,7 @@ pub fn intersect_cylinder(ray: &Ray, cylinder: &Cylinder) -> Option<SurfaceHit> 
     let (h, n) = (axis.length(), axis.normalize());
     let r = f64::from(cylinder.radius);
 
-    let (cap_in, cap_out) = cap_interval(f.dot(n), d.dot(n), h);
+    let caps = cap_interval(f.dot(n), d.dot(n), h);
     let (big_d, big_f) = (d.cross(n), f.cross(n));
     let dd = big_d.dot(big_d);
     let t0 = if dd == 0.0 {
@@ -104,21 +129,5 @@ pub fn intersect_cylinder(ray: &Ray, cylinder: &Cylinder) -> Option<SurfaceHit> 
         return None;
     }
     let half = (delta / dd).sqrt();
-    let near = if t0 - half >= cap_in.0 {
-        (t0 - half, 0)
-    } else {
-        cap_in
-    };
-    let far = if t0 + half <= cap_out.0 {
-        (t0 + half, 0)
-    } else {
-        cap_out
-    };
-    if !(near.0 <= far.0) {
-        return None;
-    }
-    [near, far]
-        .map(|(t, part)| SurfaceHit { t: t as f32, part })
-        .into_iter()
-        .find(|hit| ray.t.contains(hit.t))
+    convex_hit((t0 - half, t0 + half), caps, ray.t)
 }

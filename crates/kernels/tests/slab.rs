@@ -135,12 +135,12 @@ fn transformed_boxes_hold_their_corners() {
         let a = (random.point() * far).as_vec3();
         let aabb = Aabb::from_points([a, a + random.point().as_vec3()]);
         let rotation = Quat::from_axis_angle(
-            random.direction_f32().normalize(),
+            random.direction().as_vec3().normalize(),
             random.between(0.0, 6.0) as f32,
         );
         let mut transform = Affine3A::from_quat(rotation);
         // Half of them move the box back to the origin.
-        if random.bits() % 2 == 0 {
+        if random.bits().is_multiple_of(2) {
             transform.translation = -transform.transform_vector3a(aabb.center().into());
         }
         let moved = aabb.transformed(&transform);

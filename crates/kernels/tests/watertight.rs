@@ -197,7 +197,10 @@ fn watertight_hits_do_not_depend_on_the_order_of_corners() {
     let mut random = Random(9);
     for _ in 0..200_000 {
         let [a, b, c] = [(); 3].map(|()| random.point().as_vec3());
-        let ray = Ray::new((random.direction() * 3.0).as_vec3(), random.direction_f32());
+        let ray = Ray::new(
+            (random.direction() * 3.0).as_vec3(),
+            random.direction().as_vec3(),
+        );
         let first = intersect_triangle_watertight(&ray, &Triangle { a, b, c });
         for (a, b, c) in [(b, c, a), (c, a, b), (a, c, b), (c, b, a), (b, a, c)] {
             let other = intersect_triangle_watertight(&ray, &Triangle { a, b, c });
@@ -227,7 +230,7 @@ fn no_triangle_shadows_itself() {
         // Seven roundings (pbrt, 4th ed., section 6.8.5), one more for the weight of `a`.
         let error = error * umbriel_kernels::gamma(8);
         let ng = triangle.normal().as_dvec3().normalize().as_vec3();
-        let dir = random.direction_f32();
+        let dir = random.direction().as_vec3();
         let origin = if i % 8 == 0 {
             a
         } else {
@@ -243,7 +246,10 @@ fn degenerate_triangles_are_missed() {
     let mut random = Random(11);
     for _ in 0..100_000 {
         let (a, b) = (random.point().as_vec3(), random.point().as_vec3());
-        let ray = Ray::new((random.direction() * 3.0).as_vec3(), random.direction_f32());
+        let ray = Ray::new(
+            (random.direction() * 3.0).as_vec3(),
+            random.direction().as_vec3(),
+        );
         let aimed = Ray::new(ray.origin, a.lerp(b, 0.25) - ray.origin);
         // A point, a segment in every order, and three different corners on a line (exact: halving).
         let line = [a, 0.5 * a, 0.25 * a];

@@ -1,6 +1,6 @@
 //! Reproducible random numbers for tests that need millions of them.
 
-use umbriel_kernels::glam::{DVec3, Vec3};
+use umbriel_kernels::glam::DVec3;
 
 /// SplitMix64. Source: Steele, Lea & Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
 pub(crate) struct Random(pub(crate) u64);
@@ -41,9 +41,5 @@ impl Random {
                 return p.normalize();
             }
         }
-    }
-
-    pub(crate) fn direction_f32(&mut self) -> Vec3 {
-        self.direction().as_vec3()
     }
 }
