@@ -206,3 +206,30 @@ fn least_t(a: Vec3, b: Vec3, c: Vec3, e: Vec3, det: f32) -> f32 {
     let error_e = 2.0 * (gamma(2) * reach.x * reach.y + error_y * reach.x + error_x * reach.y);
     3.0 * (gamma(3) * e * reach.z + error_e * reach.z + error_z * e) / det.abs()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The edge from `b` to `c` passes 2⁻²⁶ beside the ray, which f32 rounds to 0: f64 has to tell the side.
+    #[test]
+    fn a_zero_edge_function_is_decided_in_f64() {
+        let e = 2.0_f32.powi(-13);
+        let b = Vec3::new(-1.0 - e, -1.0, 1.0);
+        let c = Vec3::new(1.0, 1.0 - e, 1.0);
+        assert_eq!(c.x * b.y - c.y * b.x, 0.0);
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
+        let here = Triangle {
+            a: Vec3::new(-1.0, 1.0, 1.0),
+            b,
+            c,
+        };
+        let beyond = Triangle {
+            a: Vec3::new(1.0, -1.0, 1.0),
+            b,
+            c,
+        };
+        assert!(intersect_triangle_watertight(&ray, &here).is_some());
+        assert!(intersect_triangle_watertight(&ray, &beyond).is_none());
+    }
+}

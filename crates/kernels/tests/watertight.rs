@@ -209,6 +209,19 @@ fn watertight_hits_do_not_depend_on_the_order_of_corners() {
     }
 }
 
+/// A ray that starts exactly on a triangle (whole coordinates: nothing is rounded) does not meet it.
+#[test]
+fn a_point_of_the_triangle_is_no_hit() {
+    let mut random = Random(13);
+    for _ in 0..300_000 {
+        let [a, b, c] = [(); 3].map(|()| (random.point() * 1000.0).round().as_vec3());
+        let origin = 0.25 * a + 0.25 * b + 0.5 * c;
+        let ray = Ray::new(origin, random.direction().as_vec3());
+        let hit = intersect_triangle_watertight(&ray, &Triangle { a, b, c });
+        assert!(hit.is_none(), "{ray:?} {a} {b} {c} {hit:?}");
+    }
+}
+
 /// A ray that leaves a triangle from one of its points, on either side, does not meet it again.
 #[test]
 fn no_triangle_shadows_itself() {
