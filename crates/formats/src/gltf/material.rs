@@ -1,0 +1,99 @@
+//! Materials and their extensions.
+
+use super::{json::Json, texture::Textures};
+use crate::{FileError, Report};
+use umbriel_kernels::glam::Vec3;
+use umbriel_render::{AlphaMode, Encoding, Material, Scene};
+
+/// The material that glTF prescribes where a primitive has none.
+pub(super) fn default_material() -> Material {
+    Material {
+        name: "glTF default".to_owned(),
+        metallic: 1.0,
+        ..Material::default()
+    }
+}
+
+/// Reads an entry of `/materials`; factors are brought into their ranges.
+pub(super) fn read_material(
+    json: &Json,
+    textures: &mut Textures,
+    scene: &mut Scene,
+    report: &mut Report,
+) -> Result<Material, FileError> {
+    let mut material = Material {
+        name: json.name("material"),
+        double_sided: json.flag("doubleSided")?,
+        emission: json.color("emissiveFactor", Vec3::ZERO)?.max(Vec3::ZERO),
+        emission_texture: textures.read(json, "emissiveTexture", Encoding::Srgb, scene, report)?,
+        normal_texture: textures.read(json, "normalTexture", Encoding::Linear, scene, report)?,
+        alpha_mode: read_alpha_mode(json)?,
+        ..default_material()
+    };
+    if let Some(normal) = json.object("normalTexture")? {
+        material.normal_scale = normal.number("scale")?.unwrap_or(1.0);
+    }
+    if json.has("occlusionTexture") {
+        report.ignore("occlusion texture");
+    }
+    if let Some(pbr) = json.object("pbrMetallicRoughness")? {
+        let [r, g, b, a] = pbr.numbers("baseColorFactor")?.unwrap_or([1.0; 4]);
+        material.base_color = unit(Vec3::new(r, g, b));
+        material.alpha = a.clamp(0.0, 1.0);
+        material.metallic = pbr.number("metallicFactor")?.unwrap_or(1.0).clamp(0.0, 1.0);
+        material.roughness = pbr.number("roughnessFactor")?.unwrap_or(1.0).clamp(0.0, 1.0);
+        material.base_color_texture = textures.read(&pbr, "baseColorTexture", Encoding::Srgb, scene, report)?;
+        material.metallic_roughness_texture =
+            textures.read(&pbr, "metallicRoughnessTexture", Encoding::Linear, scene, report)?;
+    }
+    read_extensions(json, &mut material, textures, scene, report)?;
+    Ok(material)
+}
+
+fn unit(color: Vec3) -> Vec3 {
+    color.clamp(Vec3::ZERO, Vec3::ONE)
+}
+
+fn read_alpha_mode(json: &Json) -> Result<AlphaMode, FileError> {
+    match json.text("alphaMode")? {
+        None | Some("OPAQUE") => Ok(AlphaMode::Opaque),
+        Some("BLEND") => Ok(AlphaMode::Blend),
+        Some("MASK") => Ok(AlphaMode::Mask {
+            cutoff: json.number("alphaCutoff")?.unwrap_or(0.5).max(0.0),
+        }),
+        Some(_) => Err(json.error_at("alphaMode", "is unknown; expected OPAQUE, MASK or BLEND")),
+    }
+}
+
+fn read_extensions(
+    json: &Json,
+    material: &mut Material,
+    textures: &mut Textures,
+    scene: &mut Scene,
+    report: &mut Report,
+) -> Result<(), FileError> {
+    if let Some(strength) = json.extension("KHR_materials_emissive_strength")? {
+        material.emission *= strength.number("emissiveStrength")?.unwrap_or(1.0).max(0.0);
+    }
+    if let Some(ior) = json.extension("KHR_materials_ior")? {
+        // 0 stands for full reflection at all angles, a special case for old files.
+        material.ior = ior.number("ior")?.unwrap_or(1.5).max(1.0);
+    }
+    if let Some(glass) = json.extension("KHR_materials_transmission")? {
+        material.transmission = glass.number("transmissionFactor")?.unwrap_or(0.0).clamp(0.0, 1.0);
+        material.transmission_texture = textures.read(&glass, "transmissionTexture", Encoding::Linear, scene, report)?;
+    }
+    let volume = json.extension("KHR_materials_volume")?;
+    let thickness = volume.as_ref().map_or(Ok(None), |volume| volume.number("thicknessFactor"))?;
+    // Rays find the real thickness; the factor only tells a solid from a sheet.
+    material.thin_walled = material.transmission > 0.0 && thickness.unwrap_or(0.0) <= 0.0;
+    if let Some(volume) = volume {
+        let color = volume.color("attenuationColor", Vec3::ONE)?;
+        // 0 would absorb everything at any distance, and its logarithm is infinite.
+        material.attenuation_color = unit(color).max(Vec3::splat(1e-6));
+        let distance = volume.number("attenuationDistance")?.filter(|d| *d > 0.0);
+        material.attenuation_distance = distance.unwrap_or(f32::INFINITY);
+    }
+    material.unlit = json.extension("KHR_materials_unlit")?.is_some();
+    Ok(())
+}
