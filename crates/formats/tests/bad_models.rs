@@ -114,7 +114,7 @@ fn gltf_faults_have_pointers() {
         ("\"byteLength\":36", "\"byteLength\":36,\"byteStride\":0", "/accessors/0"),
         ("\"byteLength\":36", "\"byteLength\":99", "/bufferViews/0"),
         ("\"byteLength\":42", "\"byteLength\":45", "/buffers/0/byteLength: is 45; the buffer has only 44"),
-        ("\"byteOffset\":36", "\"byteOffset\":2", "/accessors/1: has index"),
+        ("\"byteOffset\":36", "\"byteOffset\":12", "/accessors/1: has index"),
         ("[{\"mesh\":0}]", "[{\"mesh\":0,\"children\":[0]}]", "/nodes/0: is part of a cycle"),
         ("[{\"mesh\":0}]", "[{\"children\":[1]},{\"children\":[0]}]", "/nodes/0: is part of a cycle"),
         ("[{\"mesh\":0}]", "[{\"children\":[2]},{\"children\":[2]},{}]", "two parents"),

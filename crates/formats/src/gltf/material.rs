@@ -72,6 +72,7 @@ fn read_extensions(
     scene: &mut Scene,
     report: &mut Report,
 ) -> Result<(), FileError> {
+    read_glossiness(json, material, textures, scene, report)?;
     if let Some(strength) = json.extension("KHR_materials_emissive_strength")? {
         material.emission *= strength.number("emissiveStrength")?.unwrap_or(1.0).max(0.0);
     }
@@ -95,5 +96,30 @@ fn read_extensions(
         material.attenuation_distance = distance.unwrap_or(f32::INFINITY);
     }
     material.unlit = json.extension("KHR_materials_unlit")?.is_some();
+    Ok(())
+}
+
+/// The older workflow: a dielectric of the diffuse colour. Its specular colour has no counterpart, and is
+/// reported where it is given.
+///
+/// Source: Khronos, KHR_materials_pbrSpecularGlossiness (archived).
+fn read_glossiness(
+    json: &Json,
+    material: &mut Material,
+    textures: &mut Textures,
+    scene: &mut Scene,
+    report: &mut Report,
+) -> Result<(), FileError> {
+    let Some(old) = json.extension("KHR_materials_pbrSpecularGlossiness")? else { return Ok(()) };
+    let [r, g, b, a] = old.numbers("diffuseFactor")?.unwrap_or([1.0; 4]);
+    material.base_color = unit(Vec3::new(r, g, b));
+    material.alpha = a.clamp(0.0, 1.0);
+    material.base_color_texture = textures.read(&old, "diffuseTexture", Encoding::Srgb, scene, report)?;
+    material.metallic = 0.0;
+    material.roughness = 1.0 - old.number("glossinessFactor")?.unwrap_or(1.0).clamp(0.0, 1.0);
+    material.metallic_roughness_texture = None;
+    if old.has("specularFactor") || old.has("specularGlossinessTexture") {
+        report.ignore("specular colour of KHR_materials_pbrSpecularGlossiness");
+    }
     Ok(())
 }

@@ -21,10 +21,11 @@ use std::path::Path;
 use umbriel_render::Scene;
 
 /// Extensions that are drawn.
-const SUPPORTED: [&str; 8] = [
+const SUPPORTED: [&str; 9] = [
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_pbrSpecularGlossiness",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_volume",
