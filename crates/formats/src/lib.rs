@@ -2,9 +2,33 @@
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
+mod complete;
 mod error;
+mod exr;
+mod folder;
+mod gltf;
+mod import;
+mod mtl;
+mod obj;
+mod ply;
+mod ply_header;
+mod png;
+mod polygon;
+mod read_image;
 mod report;
+mod sniff;
+mod stl;
+mod texture_file;
+mod words;
+mod write;
 
+pub use complete::complete_scene;
 pub use error::{ErrorKind, FileError, Place};
+pub use self::exr::{ExrInfo, encode_exr};
+pub use import::import_model;
+pub use png::encode_png;
+pub use read_image::{PictureKind, read_image};
 pub use report::Report;
+pub use texture_file::load_texture;
+pub use write::{check_output, write_file};
 pub use umbriel_render as render;
