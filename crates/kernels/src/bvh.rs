@@ -24,8 +24,28 @@ struct Node {
     children: [Child; 4],
 }
 
+impl Node {
+    /// Four unused places, which no ray meets.
+    const EMPTY: Self = Self {
+        min: [Vec4::INFINITY; 3],
+        max: [Vec4::NEG_INFINITY; 3],
+        children: [Child { first: 0, count: 0 }; 4],
+    };
+
+    fn set(&mut self, place: usize, member: &BinaryNode) {
+        for axis in 0..3 {
+            self.min[axis][place] = member.aabb.min[axis];
+            self.max[axis][place] = member.aabb.max[axis];
+        }
+        self.children[place] = Child {
+            first: member.first,
+            count: member.count,
+        };
+    }
+}
+
 /// A node or a leaf's items.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Child {
     /// Number of the node, or of the leaf's first item.
     first: u32,
@@ -197,12 +217,13 @@ impl Slabs {
         }
     }
 
-    /// [`intersect_aabb`](crate::intersect_aabb) with four boxes, operation by operation: a bit for each box that is
-    /// met, and the entry parameters.
+    /// The twin of [`intersect_aabb`](crate::intersect_aabb) for four boxes: a bit for each box that is met, and
+    /// the entry parameters.
     #[inline]
     fn meet(&self, node: &Node, t: Interval) -> (u32, [f32; 4]) {
-        let mut t_near = Vec4::splat(t.min);
-        let mut t_far = Vec4::splat(t.max);
+        const ULPS: f32 = 2.0 * f32::EPSILON;
+        let mut t_near = Vec4::NEG_INFINITY;
+        let mut t_far = Vec4::INFINITY;
         for i in 0..3 {
             let (near, far) = if self.forward[i] {
                 (node.min[i], node.max[i])
@@ -210,11 +231,16 @@ impl Slabs {
                 (node.max[i], node.min[i])
             };
             let near = (near - self.origin[i]) * self.inv_dir[i];
-            let far = (far - self.origin[i]) * self.inv_dir[i] * (1.0 + 2.0 * f32::EPSILON);
+            let far = (far - self.origin[i]) * self.inv_dir[i];
             // The comparison fails for NaN, which leaves the running interval as it is.
             t_near = Vec4::select(near.cmpgt(t_near), near, t_near);
             t_far = Vec4::select(far.cmplt(t_far), far, t_far);
         }
+        let (min, max) = (Vec4::splat(t.min), Vec4::splat(t.max));
+        let t_near = t_near * (1.0 - ULPS);
+        let t_near = Vec4::select(t_near.cmpgt(min), t_near, min);
+        let t_far = t_far * (1.0 + ULPS);
+        let t_far = Vec4::select(t_far.cmplt(max), t_far, max);
         (t_near.cmple(t_far).bitmask(), t_near.to_array())
     }
 }
@@ -230,7 +256,10 @@ struct BinaryNode {
 
 fn build_binary(items: &mut [u32], boxes: &[Aabb]) -> Vec<BinaryNode> {
     let centers: Vec<Vec3> = boxes.iter().map(|b| b.center()).collect();
-    let around = |part: &[u32]| part.iter().fold(Aabb::EMPTY, |all, &i| all.union(boxes[i as usize]));
+    let around = |part: &[u32]| {
+        part.iter()
+            .fold(Aabb::EMPTY, |all, &i| all.union(boxes[i as usize]))
+    };
     let mut nodes = Vec::with_capacity(items.len());
     nodes.push(BinaryNode {
         aabb: around(items),
@@ -275,19 +304,10 @@ fn fold(binary: &[BinaryNode]) -> Vec<Node> {
             };
         }
         let members = gather(binary, top);
-        let mut node = Node {
-            min: [Vec4::INFINITY; 3],
-            max: [Vec4::NEG_INFINITY; 3],
-            children: [Child::default(); 4],
-        };
+        let mut node = Node::EMPTY;
         for (place, &member) in members.iter().enumerate() {
-            let BinaryNode { aabb, first, count } = binary[member];
-            for axis in 0..3 {
-                node.min[axis][place] = aabb.min[axis];
-                node.max[axis][place] = aabb.max[axis];
-            }
-            node.children[place] = Child { first, count };
-            if count == INNER {
+            node.set(place, &binary[member]);
+            if binary[member].count == INNER {
                 open.push((member, Some((number, place))));
             }
         }
@@ -302,7 +322,11 @@ fn gather(binary: &[BinaryNode], top: usize) -> Vec<usize> {
     while members.len() < 4 {
         let inner = |&&m: &&usize| binary[m].count == INNER;
         let area = |&&m: &&usize| binary[m].aabb.half_area();
-        let Some(&largest) = members.iter().filter(inner).max_by(|a, b| area(a).total_cmp(&area(b))) else {
+        let Some(&largest) = members
+            .iter()
+            .filter(inner)
+            .max_by(|a, b| area(a).total_cmp(&area(b)))
+        else {
             break;
         };
         let children = binary[largest].first as usize;
@@ -313,19 +337,29 @@ fn gather(binary: &[BinaryNode], top: usize) -> Vec<usize> {
 }
 
 /// Orders `part` into a left and a right half; gives the number of items on the left, or `None` where a leaf is better.
-fn split(part: &mut [u32], boxes: &[Aabb], centers: &[Vec3], aabb: Aabb, depth: usize) -> Option<u32> {
+fn split(
+    part: &mut [u32],
+    boxes: &[Aabb],
+    centers: &[Vec3],
+    aabb: Aabb,
+    depth: usize,
+) -> Option<u32> {
     let n = part.len();
     if n == 1 {
         return None;
     }
     let spread = Aabb::from_points(part.iter().map(|&i| centers[i as usize]));
-    let best = (depth < SAH_DEPTH).then(|| best_plane(part, boxes, centers, spread)).flatten();
+    let best = (depth < SAH_DEPTH)
+        .then(|| best_plane(part, boxes, centers, spread))
+        .flatten();
     if let Some(plane) = best {
         let split_cost = NODE_COST + plane.cost / aabb.half_area();
         if n <= MAX_LEAF && !(split_cost < n as f32) {
             return None;
         }
-        let left = partition(part, |&i| bin(centers[i as usize], spread, plane.axis) <= plane.bin);
+        let left = partition(part, |&i| {
+            bin(centers[i as usize], spread, plane.axis) <= plane.bin
+        });
         return Some(left as u32);
     }
     if n <= MAX_LEAF {
@@ -335,7 +369,9 @@ fn split(part: &mut [u32], boxes: &[Aabb], centers: &[Vec3], aabb: Aabb, depth: 
     let axis = spread.extent().max_position();
     let middle = n / 2;
     part.select_nth_unstable_by(middle, |&a, &b| {
-        centers[a as usize][axis].total_cmp(&centers[b as usize][axis]).then(a.cmp(&b))
+        centers[a as usize][axis]
+            .total_cmp(&centers[b as usize][axis])
+            .then(a.cmp(&b))
     });
     Some(middle as u32)
 }
@@ -413,7 +449,9 @@ mod tests {
     fn random() -> impl FnMut() -> f32 {
         let mut state = 1_u64;
         move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (state >> 40) as f32 / (1 << 24) as f32
         }
     }
@@ -422,7 +460,10 @@ mod tests {
         (0..n)
             .map(|_| {
                 let min = Vec3::new(next(), next(), next()) * 10.0;
-                Aabb { min, max: min + Vec3::new(next(), next(), next()) * 0.5 }
+                Aabb {
+                    min,
+                    max: min + Vec3::new(next(), next(), next()) * 0.5,
+                }
             })
             .collect()
     }
@@ -466,7 +507,9 @@ mod tests {
         let bvh = Bvh::build(&boxes);
         for _ in 0..500 {
             let ray = random_ray(&mut next);
-            let enter = |ray: &Ray, i: u32| intersect_aabb(ray, ray.dir.recip(), &boxes[i as usize]).map(|t| t.0);
+            let enter = |ray: &Ray, i: u32| {
+                intersect_aabb(ray, ray.dir.recip(), &boxes[i as usize]).map(|t| t.0)
+            };
             let expected = (0..1000).filter_map(|i| enter(&ray, i)).reduce(f32::min);
             let mut found = None;
             bvh.closest(&mut ray.clone(), |ray, i| {
@@ -482,21 +525,67 @@ mod tests {
     /// Equal boxes, empty boxes and NaN make no tree that is too deep, and nothing is lost.
     #[test]
     fn hostile_boxes() {
-        let unit = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-        let nan = Aabb { min: Vec3::NAN, max: Vec3::ONE };
-        let huge = Aabb { min: Vec3::splat(f32::MIN), max: Vec3::splat(f32::MAX) };
+        let unit = Aabb {
+            min: Vec3::ZERO,
+            max: Vec3::ONE,
+        };
+        let nan = Aabb {
+            min: Vec3::NAN,
+            max: Vec3::ONE,
+        };
+        let huge = Aabb {
+            min: Vec3::splat(f32::MIN),
+            max: Vec3::splat(f32::MAX),
+        };
         let mut boxes = vec![unit; 10_000];
         boxes.extend([Aabb::EMPTY, nan, huge]);
         // Each twice as far away as the one before: the heuristic splits off one at a time.
         boxes.extend((0..120).map(|k| {
             let x = 2.0_f32.powi(k);
-            Aabb { min: Vec3::splat(x), max: Vec3::splat(1.1 * x) }
+            Aabb {
+                min: Vec3::splat(x),
+                max: Vec3::splat(1.1 * x),
+            }
         }));
         let bvh = Bvh::build(&boxes);
         assert_eq!(bvh.len(), 10_000 + 1 + 120);
         let mut visited = 0;
-        bvh.closest(&mut Ray::new(Vec3::splat(-1.0), Vec3::ONE), |_, _| visited += 1);
+        bvh.closest(&mut Ray::new(Vec3::splat(-1.0), Vec3::ONE), |_, _| {
+            visited += 1
+        });
         assert_eq!(visited, bvh.len());
+    }
+
+    /// The node's test of four boxes is the slide, to the bit.
+    #[test]
+    fn meet_equals_the_slide() {
+        let mut next = random();
+        for _ in 0..2000 {
+            let mut boxes = random_boxes(4, &mut next);
+            let ray = random_ray(&mut next);
+            // An origin in the plane of a face, where 0·∞ arises.
+            boxes[0].min.x = ray.origin.x;
+            let members: Vec<BinaryNode> = boxes
+                .iter()
+                .map(|&aabb| BinaryNode {
+                    aabb,
+                    first: 0,
+                    count: 1,
+                })
+                .collect();
+            let mut node = Node::EMPTY;
+            for (place, member) in members.iter().enumerate() {
+                node.set(place, member);
+            }
+            let (hits, t_near) = Slabs::new(&ray).meet(&node, ray.t);
+            for (i, aabb) in boxes.iter().enumerate() {
+                let expected = intersect_aabb(&ray, ray.dir.recip(), aabb);
+                assert_eq!(hits >> i & 1 == 1, expected.is_some());
+                if let Some((t, _)) = expected {
+                    assert_eq!(t.to_bits(), t_near[i].to_bits());
+                }
+            }
+        }
     }
 
     /// NaN and infinite rays end.
@@ -504,7 +593,10 @@ mod tests {
     fn hostile_rays() {
         let bvh = Bvh::build(&random_boxes(1000, &mut random()));
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.0] {
-            for ray in [Ray::new(Vec3::splat(bad), Vec3::X), Ray::new(Vec3::ZERO, Vec3::splat(bad))] {
+            for ray in [
+                Ray::new(Vec3::splat(bad), Vec3::X),
+                Ray::new(Vec3::ZERO, Vec3::splat(bad)),
+            ] {
                 bvh.closest(&mut ray.clone(), |_, _| ());
                 bvh.any(&ray, |_, _| false);
             }

@@ -53,6 +53,7 @@ mod plane;
 pub mod polynomial;
 mod ray;
 mod rectangle;
+mod simd;
 mod sphere;
 mod surface;
 mod torus;
@@ -70,9 +71,11 @@ pub use offset::{gamma, offset_origin};
 pub use plane::{Plane, intersect_plane};
 pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};
+pub use simd::SurfaceList;
 pub use sphere::{Sphere, intersect_sphere};
 pub use surface::{Surface, intersect_surface};
 pub use torus::{Torus, intersect_torus};
 pub use triangle::{
-    ShearedRay, Triangle, intersect_triangle, intersect_triangle_sheared, intersect_triangle_watertight,
+    ShearedRay, Triangle, intersect_triangle, intersect_triangle_sheared,
+    intersect_triangle_watertight,
 };

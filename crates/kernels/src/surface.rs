@@ -1,9 +1,9 @@
 //! The closed set of analytic surfaces, and the one `match` per question that can be asked of them.
 
 use crate::{
-    Aabb, Cone, Cuboid, Cylinder, Disk, Plane, Ray, Rectangle, Sphere, SurfaceHit, SurfacePoint, Torus,
-    intersect_cone, intersect_cuboid, intersect_cylinder, intersect_disk, intersect_plane, intersect_rectangle,
-    intersect_sphere, intersect_torus,
+    Aabb, Cone, Cuboid, Cylinder, Disk, Plane, Ray, Rectangle, Sphere, SurfaceHit, SurfacePoint,
+    Torus, intersect_cone, intersect_cuboid, intersect_cylinder, intersect_disk, intersect_plane,
+    intersect_rectangle, intersect_sphere, intersect_torus,
 };
 use glam::Vec3;
 

@@ -1,0 +1,123 @@
+//! Blocks of rays, component by component, and the twins that test them against one surface.
+
+use crate::{Plane, Ray, Rectangle, Sphere};
+use glam::DVec3;
+
+/// Rays in a block.
+pub(super) const BLOCK: usize = 64;
+
+/// A block of rays in f64, the precision of the slides of analytic surfaces.
+pub(super) struct RayBlock {
+    origin: [[f64; BLOCK]; 3],
+    dir: [[f64; BLOCK]; 3],
+    /// Excluded lower ends of the intervals.
+    pub(super) t_min: [f32; BLOCK],
+    /// Included upper ends, lowered as hits are found.
+    pub(super) t_max: [f32; BLOCK],
+}
+
+/// Ray parameters of a block; `∞` for a miss.
+pub(super) type Distances = [f32; BLOCK];
+
+impl RayBlock {
+    /// Fills the block with at most [`BLOCK`] rays; unused lanes hit nothing.
+    #[inline(always)]
+    pub(super) fn new(rays: &[Ray]) -> Self {
+        let mut block = Self {
+            origin: [[0.0; BLOCK]; 3],
+            dir: [[0.0; BLOCK]; 3],
+            t_min: [f32::INFINITY; BLOCK],
+            t_max: [0.0; BLOCK],
+        };
+        for (i, ray) in rays.iter().enumerate() {
+            for axis in 0..3 {
+                block.origin[axis][i] = f64::from(ray.origin[axis]);
+                block.dir[axis][i] = f64::from(ray.dir[axis]);
+            }
+            block.t_min[i] = ray.t.min;
+            block.t_max[i] = ray.t.max;
+        }
+        block
+    }
+
+    #[inline(always)]
+    fn lane(&self, i: usize) -> (DVec3, DVec3) {
+        (
+            DVec3::new(self.origin[0][i], self.origin[1][i], self.origin[2][i]),
+            DVec3::new(self.dir[0][i], self.dir[1][i], self.dir[2][i]),
+        )
+    }
+
+    /// [`Interval::contains`](crate::Interval::contains) of a lane.
+    #[inline(always)]
+    fn contains(&self, i: usize, t: f32) -> bool {
+        (self.t_min[i] < t) & (t <= self.t_max[i]) & (t < f32::INFINITY)
+    }
+
+    /// `t` where the lane contains it and `hit` is true, `∞` elsewhere.
+    #[inline(always)]
+    fn accept(&self, i: usize, hit: bool, t: f32) -> f32 {
+        if hit & self.contains(i, t) {
+            t
+        } else {
+            f32::INFINITY
+        }
+    }
+}
+
+/// [`intersect_sphere`](crate::intersect_sphere) for a block.
+#[inline(always)]
+pub(super) fn intersect_sphere_block(rays: &RayBlock, sphere: &Sphere, t: &mut Distances) {
+    let center = sphere.center.as_dvec3();
+    let r = f64::from(sphere.radius);
+    for (i, t) in t.iter_mut().enumerate() {
+        let (o, d) = rays.lane(i);
+        let f = o - center;
+        let a = d.dot(d);
+        let b = f.dot(d);
+        let c = f.dot(f) - r * r;
+        let delta = a * (r * r) - f.cross(d).length_squared();
+        let hit = !((c > 0.0) & (b > 0.0)) & (delta >= 0.0);
+        let q = -b - delta.sqrt().copysign(b);
+        let (t1, t2) = (q / a, c / q);
+        let (near, far) = (t1.min(t2) as f32, t1.max(t2) as f32);
+        let nearest = if rays.contains(i, near) { near } else { far };
+        *t = rays.accept(i, hit, nearest);
+    }
+}
+
+/// [`intersect_plane`](crate::intersect_plane) for a block.
+#[inline(always)]
+pub(super) fn intersect_plane_block(rays: &RayBlock, plane: &Plane, t: &mut Distances) {
+    let point = plane.point.as_dvec3();
+    let n = plane.normal.as_dvec3();
+    for (i, t) in t.iter_mut().enumerate() {
+        let (o, d) = rays.lane(i);
+        let denominator = d.dot(n);
+        let hit = (denominator != 0.0) & (denominator.abs() < f64::INFINITY);
+        *t = rays.accept(i, hit, ((point - o).dot(n) / denominator) as f32);
+    }
+}
+
+/// [`intersect_rectangle`](crate::intersect_rectangle) for a block.
+#[inline(always)]
+pub(super) fn intersect_rectangle_block(rays: &RayBlock, rectangle: &Rectangle, t: &mut Distances) {
+    let center = rectangle.center.as_dvec3();
+    let (u, v) = (rectangle.u.as_dvec3(), rectangle.v.as_dvec3());
+    let n = u.cross(v);
+    let n2 = n.dot(n);
+    for (i, t) in t.iter_mut().enumerate() {
+        let (o, d) = rays.lane(i);
+        let f = o - center;
+        let denominator = d.dot(n);
+        let along = -f.dot(n) / denominator;
+        let p = f + along * d;
+        let x = p.cross(v).dot(n) / n2;
+        let y = u.cross(p).dot(n) / n2;
+        let hit = (denominator != 0.0)
+            & (denominator.abs() < f64::INFINITY)
+            & (x.abs() <= 1.0)
+            & (y.abs() <= 1.0);
+        *t = rays.accept(i, hit, along as f32);
+    }
+}

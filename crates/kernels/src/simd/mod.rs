@@ -1,0 +1,10 @@
+//! Many rays at once: the twins of the slides, on whatever vector unit the machine has.
+//!
+//! A twin is a plain loop over rays in structure-of-arrays blocks, without branches, compiled once for each
+//! instruction set and chosen at run time. It does the operations of its slide in the same order and
+//! contracts none, so the results are equal to the bit on every instruction set.
+
+mod block;
+mod surface_list;
+
+pub use surface_list::SurfaceList;

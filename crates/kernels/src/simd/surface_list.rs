@@ -1,0 +1,267 @@
+//! A handful of surfaces against many rays.
+
+use super::block::{
+    BLOCK, Distances, RayBlock, intersect_plane_block, intersect_rectangle_block,
+    intersect_sphere_block,
+};
+use crate::{Hit, Ray, Surface, intersect_surface};
+use fearless_simd::{Level, dispatch};
+
+/// A handful of surfaces, each tested against all rays: for few surfaces faster than any tree.
+///
+/// Gives what testing each ray with [`intersect_surface`] gives, to the bit.
+#[derive(Clone, Debug)]
+pub struct SurfaceList {
+    level: Level,
+    /// Instance numbers in rising order, so that the lower one wins at equal `t`.
+    surfaces: Vec<(u32, Surface)>,
+}
+
+impl SurfaceList {
+    /// A list of surfaces with their instance numbers, in rising order.
+    pub fn new(surfaces: Vec<(u32, Surface)>) -> Self {
+        Self::with_level(Level::new(), surfaces)
+    }
+
+    fn with_level(level: Level, surfaces: Vec<(u32, Surface)>) -> Self {
+        debug_assert!(surfaces.is_sorted_by_key(|s| s.0));
+        Self { level, surfaces }
+    }
+
+    /// The first surface that each ray meets. `hits` is as long as `rays`.
+    pub fn closest(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        dispatch!(self.level, _simd => closest(&self.surfaces, rays, hits));
+    }
+
+    /// Whether anything stands in each ray's way. `occluded` is as long as `rays`.
+    pub fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
+        dispatch!(self.level, _simd => any(&self.surfaces, rays, occluded));
+    }
+}
+
+#[inline(always)]
+fn closest(surfaces: &[(u32, Surface)], rays: &[Ray], hits: &mut [Option<Hit>]) {
+    for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks_mut(BLOCK)) {
+        let mut block = RayBlock::new(rays);
+        let mut best = [(u32::MAX); BLOCK];
+        let mut best_part = [0; BLOCK];
+        let mut t = [0.0; BLOCK];
+        let mut part = [0; BLOCK];
+        for (k, (_, surface)) in surfaces.iter().enumerate() {
+            intersect(surface, rays, &block, &mut t, &mut part);
+            for i in 0..BLOCK {
+                // The interval's end belongs to it: the first hit may lie there, a later one has lost.
+                let first = (best[i] == u32::MAX) & (t[i] < f32::INFINITY);
+                let wins = first | (t[i] < block.t_max[i]);
+                best[i] = if wins { k as u32 } else { best[i] };
+                best_part[i] = if wins { part[i] } else { best_part[i] };
+                block.t_max[i] = if wins { t[i] } else { block.t_max[i] };
+            }
+        }
+        for (i, hit) in hits.iter_mut().enumerate() {
+            *hit = surfaces.get(best[i] as usize).map(|&(instance, _)| Hit {
+                instance,
+                primitive: best_part[i],
+                u: 0.0,
+                v: 0.0,
+                t: block.t_max[i],
+            });
+        }
+    }
+}
+
+#[inline(always)]
+fn any(surfaces: &[(u32, Surface)], rays: &[Ray], occluded: &mut [bool]) {
+    for (rays, occluded) in rays.chunks(BLOCK).zip(occluded.chunks_mut(BLOCK)) {
+        let block = RayBlock::new(rays);
+        let mut blocked = [false; BLOCK];
+        let mut t = [0.0; BLOCK];
+        let mut part = [0; BLOCK];
+        for (_, surface) in surfaces {
+            intersect(surface, rays, &block, &mut t, &mut part);
+            for i in 0..BLOCK {
+                blocked[i] |= t[i] < f32::INFINITY;
+            }
+        }
+        occluded.copy_from_slice(&blocked[..occluded.len()]);
+    }
+}
+
+/// The twin where there is one, the slide ray by ray elsewhere. Twins have a single part, 0.
+#[inline(always)]
+fn intersect(
+    surface: &Surface,
+    rays: &[Ray],
+    block: &RayBlock,
+    t: &mut Distances,
+    part: &mut [u32; BLOCK],
+) {
+    *part = [0; BLOCK];
+    match surface {
+        Surface::Sphere(s) => intersect_sphere_block(block, s, t),
+        Surface::Plane(s) => intersect_plane_block(block, s, t),
+        Surface::Rectangle(s) => intersect_rectangle_block(block, s, t),
+        _ => {
+            *t = [f32::INFINITY; BLOCK];
+            for (i, ray) in rays.iter().enumerate() {
+                let mut ray = *ray;
+                ray.t.max = block.t_max[i];
+                if let Some(hit) = intersect_surface(&ray, surface) {
+                    t[i] = hit.t;
+                    part[i] = hit.part;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Cuboid, Interval, Plane, Rectangle, Sphere, Torus};
+    use glam::Vec3;
+
+    /// Every instruction set that this machine has.
+    fn levels() -> Vec<Level> {
+        let best = Level::new();
+        let mut levels = vec![best];
+        #[cfg(target_arch = "x86_64")]
+        {
+            levels.extend(best.as_avx2().map(Level::Avx2));
+            levels.extend(best.as_sse4_2().map(Level::Sse4_2));
+            levels.extend(best.as_sse2().map(Level::Sse2));
+        }
+        levels
+    }
+
+    fn surfaces() -> Vec<(u32, Surface)> {
+        let v = Vec3::new;
+        [
+            Surface::Sphere(Sphere {
+                center: v(0.5, 0.2, -0.1),
+                radius: 0.7,
+            }),
+            Surface::Sphere(Sphere {
+                center: v(0.0, -1e5, 0.0),
+                radius: 1e5,
+            }),
+            Surface::Plane(Plane {
+                point: v(0.0, -1.0, 0.3),
+                normal: v(0.1, 2.0, 0.2),
+            }),
+            Surface::Rectangle(Rectangle {
+                center: v(0.0, 0.5, 1.0),
+                u: v(1.0, 0.0, 0.0),
+                v: v(0.0, 0.6, 0.8),
+            }),
+            Surface::Torus(Torus {
+                center: v(0.0, 0.0, 2.0),
+                axis: v(0.0, 1.0, 1.0),
+                major_radius: 1.0,
+                minor_radius: 0.3,
+            }),
+            Surface::Cuboid(Cuboid {
+                min: v(-2.0, -0.5, -1.0),
+                max: v(-1.0, 0.5, 1.0),
+            }),
+            // The same sphere again: the lower number must win.
+            Surface::Sphere(Sphere {
+                center: v(0.5, 0.2, -0.1),
+                radius: 0.7,
+            }),
+        ]
+        .into_iter()
+        .enumerate()
+        .map(|(i, s)| (3 * i as u32 + 1, s))
+        .collect()
+    }
+
+    fn rays() -> Vec<Ray> {
+        let mut state = 7_u64;
+        let mut next = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1 << 23) as f32 - 1.0
+        };
+        let mut rays: Vec<Ray> = (0..5_003)
+            .map(|i| {
+                let mut ray = Ray::new(
+                    Vec3::new(next(), next(), next()) * 4.0,
+                    Vec3::new(next(), next(), next()),
+                );
+                if i % 5 == 0 {
+                    ray.dir.x = 0.0;
+                    ray.dir.z = -0.0;
+                }
+                if i % 3 == 0 {
+                    ray.t = Interval {
+                        min: next().max(0.0),
+                        max: 4.0 + 3.0 * next(),
+                    };
+                }
+                ray
+            })
+            .collect();
+        for bad in [f32::NAN, f32::INFINITY, 0.0, f32::MAX, f32::MIN_POSITIVE] {
+            rays.push(Ray::new(Vec3::splat(bad), Vec3::X));
+            rays.push(Ray::new(Vec3::ONE, Vec3::splat(bad)));
+            rays.push(Ray {
+                t: Interval { min: 0.0, max: bad },
+                ..Ray::new(Vec3::Y * 5.0, Vec3::NEG_Y)
+            });
+        }
+        rays
+    }
+
+    /// A loop over the slides, with the rule for equal `t`.
+    fn expected(ray: &Ray) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        for (instance, surface) in surfaces() {
+            if let Some(hit) = intersect_surface(ray, &surface)
+                && best.is_none_or(|best| hit.t < best.t)
+            {
+                best = Some(Hit {
+                    instance,
+                    primitive: hit.part,
+                    u: 0.0,
+                    v: 0.0,
+                    t: hit.t,
+                });
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn twins_equal_their_slides_to_the_bit() {
+        let rays = rays();
+        for level in levels() {
+            let list = SurfaceList::with_level(level, surfaces());
+            let mut hits = vec![None; rays.len()];
+            let mut occluded = vec![false; rays.len()];
+            list.closest(&rays, &mut hits);
+            list.any(&rays, &mut occluded);
+            for (i, ray) in rays.iter().enumerate() {
+                let expected = expected(ray);
+                assert_eq!(hits[i], expected, "{level:?}: {ray:?}");
+                assert_eq!(
+                    hits[i].map(|h| h.t.to_bits()),
+                    expected.map(|h| h.t.to_bits())
+                );
+                assert_eq!(occluded[i], expected.is_some(), "{level:?}: {ray:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_surface_is_hit() {
+        let hits: Vec<Hit> = rays().iter().filter_map(expected).collect();
+        for (instance, _) in &surfaces()[..6] {
+            assert!(
+                hits.iter().any(|hit| hit.instance == *instance),
+                "{instance}"
+            );
+        }
+    }
+}
