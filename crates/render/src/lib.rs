@@ -29,6 +29,7 @@ mod texture;
 mod trace;
 mod unshadowed;
 mod validate;
+mod validate_parts;
 mod whitted;
 
 pub use aov::render_aovs;

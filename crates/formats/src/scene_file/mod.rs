@@ -1,0 +1,87 @@
+//! Scene files: our own TOML format, and the entry point for every kind of scene.
+
+mod convert;
+mod diagnose;
+mod document;
+mod include;
+mod materials;
+mod merge;
+mod overrides;
+mod settings;
+mod shapes;
+mod source;
+mod values;
+
+pub use settings::SceneSettings;
+
+use crate::{FileError, Place, Report, complete_scene, import_model};
+use std::path::Path;
+use umbriel_render::Scene;
+
+/// How a scene is loaded.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct LoadOptions {
+    /// Values to set in a scene file before it is understood: a path with dots, through tables by name
+    /// and through arrays by position or name (`sphere.0.radius`, `sphere.glass.radius`), and the value
+    /// in TOML or as bare text.
+    pub overrides: Vec<(String, String)>,
+}
+
+/// A scene, ready to be drawn.
+#[derive(Clone, Debug)]
+pub struct Loaded {
+    /// The scene, valid and with at least one camera.
+    pub scene: Scene,
+    /// What the file says of how to draw it.
+    pub settings: SceneSettings,
+    /// What was left out and decided.
+    pub report: Report,
+}
+
+/// Loads a scene: a `.toml` scene file, or a model in one of the formats of [`import_model`].
+///
+/// The result has passed [`Scene::validate`].
+///
+/// # Errors
+/// The first fault of the file, at its line for TOML, or at the override that made it.
+pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Loaded, FileError> {
+    let mut report = Report::default();
+    let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let (scene, settings) = match is_toml {
+        true => load_toml(path, options, &mut report)?,
+        false => (load_model(path, options, &mut report)?, SceneSettings::default()),
+    };
+    Ok(Loaded { scene, settings, report })
+}
+
+fn load_toml(path: &Path, options: &LoadOptions, report: &mut Report) -> Result<(Scene, SceneSettings), FileError> {
+    let parts = include::read_parts(path, &options.overrides)?;
+    let settings = settings::read_settings(&parts)?;
+    let mut scene = convert::build_scene(&parts, report)?;
+    if scene.instances.is_empty() {
+        report.note("nothing in the scene: the picture shows the background");
+    }
+    complete_scene(&mut scene, report);
+    Ok((scene, settings))
+}
+
+fn load_model(path: &Path, options: &LoadOptions, report: &mut Report) -> Result<Scene, FileError> {
+    if let Some((key, value)) = options.overrides.first() {
+        let message = format!("-D {key}={value} changes scene files only; expected a .toml file");
+        return Err(FileError::input(path, Place::File, message));
+    }
+    let mut scene = import_model(path, report)?;
+    complete_scene(&mut scene, report);
+    scene
+        .validate()
+        .map_err(|error| FileError::input(path, Place::File, format!("{:?}: {error}", error.element)))?;
+    Ok(scene)
+}
+
+/// The JSON Schema of scene files, for completion and checks in editors.
+pub fn scene_schema() -> String {
+    let schema = schemars::schema_for!(document::Document);
+    let mut text = serde_json::to_string_pretty(&schema).unwrap_or_default();
+    text.push('\n');
+    text
+}

@@ -1,0 +1,318 @@
+//! The checks of [`Scene::validate`](crate::Scene::validate), one function for each kind of element.
+
+use crate::validate::{
+    Check, check, check_axis, check_color, check_direction, check_finite, check_positive,
+    check_unit,
+};
+use crate::{AlphaMode, Camera, Light, Material, Mesh, Projection, Texture, TextureRef};
+use std::f32::consts::{FRAC_PI_2, PI};
+use umbriel_kernels::Surface;
+use umbriel_kernels::glam::{Vec2, Vec3, Vec4};
+
+pub(crate) fn check_camera(camera: &Camera) -> Check {
+    let m = &camera.pose.matrix3;
+    let off = (m.transpose() * *m - umbriel_kernels::glam::Mat3A::IDENTITY).to_cols_array();
+    let rigid =
+        camera.pose.is_finite() && off.iter().all(|x| x.abs() < 1e-3) && m.determinant() > 0.0;
+    if !rigid {
+        return Err((
+            "pose",
+            "is not a finite rotation and position; the camera needs a direction and an up"
+                .to_owned(),
+        ));
+    }
+    match camera.projection {
+        Projection::Perspective { vertical_fov: fov } => {
+            let expected = "greater than 0 and less than 180 degrees";
+            check(fov > 0.0 && fov < PI, "fov", fov.to_degrees(), expected)?;
+        }
+        Projection::Orthographic { half_height } => {
+            check(
+                half_height > 0.0 && half_height.is_finite(),
+                "height",
+                2.0 * half_height,
+                "greater than 0 and finite",
+            )?;
+        }
+    }
+    check_positive("near", camera.near)?;
+    check(
+        camera.far > camera.near,
+        "far",
+        camera.far,
+        "greater than `near`",
+    )
+}
+
+pub(crate) fn check_mesh(mesh: &Mesh) -> Check {
+    let count = mesh.positions.len();
+    let lengths = [
+        ("normals", mesh.normals.len()),
+        ("tangents", mesh.tangents.len()),
+        ("uvs", mesh.uvs[0].len()),
+        ("uvs", mesh.uvs[1].len()),
+        ("colors", mesh.colors.len()),
+    ];
+    for (field, length) in lengths {
+        let expected = format!("0 or {count}, the number of positions");
+        check(
+            length == 0 || length == count,
+            field,
+            format!("{length} long"),
+            &expected,
+        )?;
+    }
+    if let Some(p) = mesh.positions.iter().find(|p| !p.is_finite()) {
+        return check(false, "positions", p, "finite");
+    }
+    let finite = mesh.normals.iter().all(|n| n.is_finite())
+        && mesh
+            .tangents
+            .iter()
+            .chain(&mesh.colors)
+            .all(|v: &Vec4| v.is_finite())
+        && mesh.uvs.iter().flatten().all(|v: &Vec2| v.is_finite());
+    if !finite {
+        return Err((
+            "attributes",
+            "contain NaN or infinity; must be finite".to_owned(),
+        ));
+    }
+    match mesh
+        .indices
+        .iter()
+        .flatten()
+        .find(|&&i| i as usize >= count)
+    {
+        Some(i) => check(
+            false,
+            "indices",
+            i,
+            &format!("below {count}, the number of positions"),
+        ),
+        None => Ok(()),
+    }
+}
+
+pub(crate) fn check_surface(surface: &Surface) -> Check {
+    match surface {
+        Surface::Sphere(s) => {
+            check_finite("center", s.center)?;
+            check_positive("radius", s.radius)
+        }
+        Surface::Plane(s) => {
+            check_finite("point", s.point)?;
+            check_axis("normal", s.normal)
+        }
+        Surface::Disk(s) => {
+            check_finite("center", s.center)?;
+            check_axis("normal", s.normal)?;
+            check_positive("radius", s.radius)
+        }
+        Surface::Rectangle(s) => {
+            check_finite("center", s.center)?;
+            check_axis("u", s.u)?;
+            check_axis("v", s.v)?;
+            let cosine = s.u.as_dvec3().normalize().dot(s.v.as_dvec3().normalize());
+            check(cosine.abs() < 1e-4, "v", s.v, "at a right angle to `u`")
+        }
+        Surface::Cuboid(s) => {
+            check_finite("min", s.min)?;
+            check_finite("max", s.max)?;
+            check(
+                s.max.cmpgt(s.min).all(),
+                "max",
+                s.max,
+                &format!("greater than `min`, {}, in every component", s.min),
+            )
+        }
+        Surface::Cylinder(s) => {
+            check_ends(s.a, s.b)?;
+            check_positive("radius", s.radius)
+        }
+        Surface::Cone(s) => {
+            check_ends(s.a, s.b)?;
+            for (field, r) in [("radius_a", s.radius_a), ("radius_b", s.radius_b)] {
+                check(
+                    r >= 0.0 && r.is_finite(),
+                    field,
+                    r,
+                    "0 or greater and finite",
+                )?;
+            }
+            check(
+                s.radius_a.max(s.radius_b) > 0.0,
+                "radius_a",
+                s.radius_a,
+                "greater than 0 where `radius_b` is 0",
+            )
+        }
+        Surface::Torus(s) => {
+            check_finite("center", s.center)?;
+            check_axis("axis", s.axis)?;
+            check_positive("major_radius", s.major_radius)?;
+            check_positive("minor_radius", s.minor_radius)?;
+            let expected = format!("at most `major_radius`, {}", s.major_radius);
+            check(
+                s.minor_radius <= s.major_radius,
+                "minor_radius",
+                s.minor_radius,
+                &expected,
+            )
+        }
+    }
+}
+
+/// The ends of an axis: finite and apart.
+fn check_ends(a: Vec3, b: Vec3) -> Check {
+    check_finite("a", a)?;
+    check_finite("b", b)?;
+    check((b - a).length() > 1e-18, "b", b, "another point than `a`")
+}
+
+pub(crate) fn check_material(material: &Material, textures: usize) -> Check {
+    let color = material.base_color;
+    let in_range = color.min_element() >= 0.0 && color.max_element() <= 1.0 && color.is_finite();
+    check(
+        in_range,
+        "base_color",
+        color,
+        "from 0 to 1 in every component",
+    )?;
+    check_unit("alpha", material.alpha)?;
+    check_unit("metallic", material.metallic)?;
+    check_unit("roughness", material.roughness)?;
+    check(
+        material.normal_scale.is_finite(),
+        "normal_scale",
+        material.normal_scale,
+        "finite",
+    )?;
+    check_color("emission", material.emission)?;
+    check_unit("transmission", material.transmission)?;
+    check(
+        material.ior >= 1.0 && material.ior.is_finite(),
+        "ior",
+        material.ior,
+        "1 or greater and finite",
+    )?;
+    let color = material.attenuation_color;
+    // Written so that NaN fails, too; KHR_materials_volume allows 0, which absorbs everything.
+    let in_range = color.min_element() >= 0.0 && color.max_element() <= 1.0 && color.is_finite();
+    check(
+        in_range,
+        "attenuation_color",
+        color,
+        "from 0 to 1 in every component",
+    )?;
+    let distance = material.attenuation_distance;
+    check(
+        distance > 0.0,
+        "attenuation_distance",
+        distance,
+        "greater than 0",
+    )?;
+    if let AlphaMode::Mask { cutoff } = material.alpha_mode {
+        check(
+            cutoff >= 0.0 && cutoff.is_finite(),
+            "alpha_cutoff",
+            cutoff,
+            "0 or greater",
+        )?;
+    }
+    let uses = [
+        ("base_color_texture", &material.base_color_texture),
+        (
+            "metallic_roughness_texture",
+            &material.metallic_roughness_texture,
+        ),
+        ("normal_texture", &material.normal_texture),
+        ("emission_texture", &material.emission_texture),
+        ("transmission_texture", &material.transmission_texture),
+    ];
+    uses.into_iter().try_for_each(|(field, used)| {
+        used.as_ref()
+            .map_or(Ok(()), |u| check_use(field, u, textures))
+    })
+}
+
+fn check_use(field: &'static str, used: &TextureRef, textures: usize) -> Check {
+    let (id, set) = (used.texture.index(), used.uv_set);
+    check(
+        id < textures,
+        field,
+        format!("number {id}"),
+        &format!("below {textures}"),
+    )?;
+    check(
+        set < 2,
+        field,
+        format!("on uv_set {set}"),
+        "on uv_set 0 or 1",
+    )?;
+    check(
+        used.transform.is_finite(),
+        field,
+        "transformed by NaN or infinity",
+        "placed by finite numbers",
+    )
+}
+
+pub(crate) fn check_texture(texture: &Texture) -> Check {
+    match texture {
+        Texture::Checker(checker) => {
+            check_color("even", checker.even.truncate())?;
+            check_color("odd", checker.odd.truncate())?;
+            check_unit("even", checker.even.w)?;
+            check_unit("odd", checker.odd.w)
+        }
+        Texture::Image(image) => {
+            let size = u64::from(image.width) * u64::from(image.height);
+            let expected = format!("{}x{}, and at least 1", image.width, image.height);
+            check(
+                size > 0 && size == image.texels.len() as u64,
+                "texels",
+                format!("{} long", image.texels.len()),
+                &expected,
+            )
+        }
+    }
+}
+
+pub(crate) fn check_light(light: &Light) -> Check {
+    match light {
+        Light::Point(light) => {
+            check_finite("position", light.position)?;
+            check_color("intensity", light.intensity)?;
+            check(light.range > 0.0, "range", light.range, "greater than 0")
+        }
+        Light::Spot(light) => {
+            check_finite("position", light.position)?;
+            check_direction("direction", light.direction)?;
+            check_color("intensity", light.intensity)?;
+            check(light.range > 0.0, "range", light.range, "greater than 0")?;
+            let (inner, outer) = (light.inner_angle, light.outer_angle);
+            let degrees = f32::to_degrees;
+            check(
+                outer > 0.0 && outer <= FRAC_PI_2,
+                "outer_angle",
+                degrees(outer),
+                "greater than 0 and at most 90 degrees",
+            )?;
+            let expected = format!(
+                "0 or greater and below `outer_angle`, {} degrees",
+                degrees(outer)
+            );
+            check(
+                inner >= 0.0 && inner < outer,
+                "inner_angle",
+                degrees(inner),
+                &expected,
+            )
+        }
+        Light::Directional(light) => {
+            check_direction("direction", light.direction)?;
+            check_color("illuminance", light.illuminance)
+        }
+    }
+}
