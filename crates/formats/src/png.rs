@@ -34,9 +34,9 @@ pub fn encode_png(width: usize, height: usize, pixels: &[[u8; 4]]) -> Vec<u8> {
         (pixels.as_flattened().to_vec(), ExtendedColorType::Rgba8)
     };
     let mut file = Vec::with_capacity(data.len() / 4 + 1024);
-    // The fast encoder costs a few milliseconds where the default one costs a hundred, and its files
-    // are about a fifth larger.
-    PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Up)
+    // Measured on a rendered picture of 640x480: the fast encoder takes 1 ms for 73 kB, the default one
+    // 13 ms for 50 kB. Of the filters, the left neighbour gives the smallest files here, and the fastest.
+    PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Sub)
         .write_image(&data, width as u32, height as u32, color)
         .expect("writing to memory does not fail, and the sizes agree");
     file.splice(HEADER_END..HEADER_END, COLOR_SPACE);

@@ -45,15 +45,15 @@ pub fn check_output(path: &Path, inputs: &[&Path]) -> Result<(), FileError> {
 
 /// Writes `bytes` to a temporary file in the same folder and renames it to `path`.
 ///
-/// Whoever opens `path` finds the old file or the new one, whole, even after a crash of the program; of
-/// two programs that write to one path, one wins. The file is not forced to the disk: that takes longer
-/// than a whole picture, and what a power failure can take away is a picture that can be made again.
+/// Whoever opens `path` finds the old file or the new one, whole, even after a crash of the program or
+/// the machine: the bytes are on the disk before the name changes. Of two programs that write to one
+/// path, one wins.
 /// A symbolic link stays one: its target is replaced.
 pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
     let target = resolve(path);
     let temporary = temporary_name(&target);
     let written = create(&temporary)
-        .and_then(|mut file| file.write_all(bytes))
+        .and_then(|mut file| file.write_all(bytes).and_then(|()| file.sync_data()))
         .and_then(|()| fs::rename(&temporary, &target));
     written.map_err(|error| {
         // It may not exist; the first error is the one to tell.

@@ -63,7 +63,7 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
         ));
     }
     interrupt::enter(Phase::Writing);
-    let (written, write) = timed(|| write_picture(args, &plan, target, &film.image, &layers));
+    let (written, write) = timed(|| pool.install(|| write_picture(args, &plan, target, &film.image, &layers)));
     interrupt::enter(Phase::Waiting);
 
     let summary = Summary {

@@ -1,0 +1,176 @@
+//! Every failure has its exit code and one line, and leaves the folder as it was.
+
+mod support;
+
+use std::{fs, os::unix::fs::PermissionsExt};
+use support::{Folder, SCENE};
+
+#[test]
+fn command_line() {
+    let folder = Folder::new();
+    assert_eq!(folder.run("").code, Some(2));
+    folder.fails("render scene.toml -o a.png --splp 3", 2, &["--splp"]);
+    assert!(
+        folder
+            .run("render scene.toml -o a.png --splp 3")
+            .err
+            .contains("--spp"),
+        "suggests the nearest option"
+    );
+    for (option, value, part) in [
+        ("--spp", "0", "1..=65536"),
+        ("--spp", "abc", "abc"),
+        ("-r", "0x100", "WIDTHxHEIGHT"),
+        ("-r", "640*480", "WIDTHxHEIGHT"),
+        ("--threads", "100000", "1024"),
+        ("--fov", "180", "below 180"),
+        ("--crop", "5,5,5,9", "empty"),
+        ("--crop", "0,0,65,48", "outside the picture"),
+        ("--eye", "1,2", "three numbers"),
+        ("--exposure", "nan", "stops"),
+        ("--aov", "dpeth", "depth"),
+        ("--camera", "nosuch", "0 \"front\", 1 \"top\""),
+        ("--up", "0,0,0", "--up"),
+        ("--look-at", "0,1,5", "same point"),
+    ] {
+        folder.fails(
+            &format!("render scene.toml -o a.exr {option} {value}"),
+            2,
+            &[part],
+        );
+    }
+    folder.fails(
+        "render scene.toml -o a.png --aov depth",
+        2,
+        &["--aov", "a.png", ".exr"],
+    );
+    folder.fails(
+        "render scene.toml -o a.png --spp 2 --adaptive",
+        2,
+        &["--spp", "--adaptive"],
+    );
+    assert_eq!(folder.names(), ["scene.toml"]);
+}
+
+#[test]
+fn outputs() {
+    let folder = Folder::new();
+    folder.write("old.png", "old");
+    fs::create_dir(folder.path("sub.png")).unwrap();
+    folder.fails("render scene.toml -o a.jpg", 2, &["a.jpg", ".png or .exr"]);
+    folder.fails(
+        "render scene.toml -o none/a.png",
+        4,
+        &["none/a.png", "does not exist"],
+    );
+    folder.fails(
+        "render scene.toml -o sub.png",
+        4,
+        &["sub.png", "is a folder"],
+    );
+    folder.fails(
+        "render scene.toml -o old.png --no-clobber",
+        4,
+        &["old.png", "--no-clobber"],
+    );
+    fs::copy(folder.path("scene.toml"), folder.path("scene.png")).unwrap();
+    folder.fails(
+        "render scene.png -o scene.png",
+        4,
+        &["scene.png", "is the input"],
+    );
+    folder.fails(
+        "render scene.toml -o a.png -r 99999999x99999999",
+        5,
+        &["99999999x99999999", "PiB"],
+    );
+    folder.fails("render scene.toml -o a.png -r 50000x50000", 5, &["GiB"]);
+
+    fs::set_permissions(folder.path("old.png"), fs::Permissions::from_mode(0o444)).unwrap();
+    folder.fails("render scene.toml -o old.png", 4, &["read-only"]);
+    assert_eq!(folder.read("old.png"), b"old");
+    assert_eq!(
+        folder.names(),
+        ["old.png", "scene.png", "scene.toml", "sub.png"]
+    );
+}
+
+#[test]
+fn scenes() {
+    let folder = Folder::new();
+    folder.write("old.png", "old");
+    fs::create_dir(folder.path("sub.toml")).unwrap();
+    folder.fails("render nosuch.toml -o old.png", 4, &["nosuch.toml"]);
+    assert_eq!(
+        folder
+            .run("render sub.toml -o old.png")
+            .code
+            .map(|c| c == 3 || c == 4),
+        Some(true)
+    );
+    folder.write("text.txt", "hello");
+    folder.fails("render text.txt -o old.png", 3, &["text.txt"]);
+
+    folder.write("key.toml", &SCENE.replace("radius = 1", "radus = 1"));
+    folder.fails(
+        "render key.toml -o old.png",
+        3,
+        &["key.toml:", "radus", "radius"],
+    );
+    let line = 1 + SCENE.lines().position(|line| line == "radius = 1").unwrap();
+    folder.fails("info key.toml", 3, &[&format!("key.toml:{line}:1: ")]);
+    folder.write("negative.toml", &SCENE.replace("radius = 1", "radius = -1"));
+    folder.fails(
+        "render negative.toml -o old.png",
+        3,
+        &["negative.toml:", "radius"],
+    );
+    folder.write(
+        "material.toml",
+        &SCENE.replace("material = \"mirror\"", "material = \"miror\""),
+    );
+    folder.fails("render material.toml -o old.png", 3, &["miror", "mirror"]);
+    assert_eq!(folder.read("old.png"), b"old");
+    assert!(folder.names().iter().all(|name| !name.ends_with(".tmp")));
+}
+
+#[test]
+fn errors_are_objects_with_json() {
+    let folder = Folder::new();
+    let error = |words: &str| folder.run(words).json()["error"].clone();
+    assert_eq!(error("render nosuch.toml -o a.png --json")["exit_code"], 4);
+    folder.write("key.toml", &SCENE.replace("radius = 1", "radus = 1"));
+    let wrong_key = error("info key.toml --json");
+    assert_eq!(
+        (&wrong_key["kind"], &wrong_key["file"]),
+        (&"input".into(), &"key.toml".into())
+    );
+    assert!(wrong_key["place"]["line"].is_u64());
+    assert_eq!(
+        error("render scene.toml -o a.png --json --nosuch")["kind"],
+        "usage"
+    );
+    assert_eq!(
+        error("render scene.toml -o a.png --json -r 99999999x99999999")["kind"],
+        "limit"
+    );
+}
+
+/// A degenerate triangle is ignored by name; under `--strict` it is an error.
+#[test]
+fn strict_refuses_what_is_ignored() {
+    let folder = Folder::new();
+    folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 1 2\n");
+    let ran = folder.ok("render flat.obj -o a.png -r 16x12");
+    assert!(
+        ran.err.lines().any(|line| line.starts_with("ignored: ")),
+        "{}",
+        ran.err
+    );
+    folder.fails(
+        "render flat.obj -o b.png -r 16x12 --strict",
+        3,
+        &["flat.obj", "ignored", "--strict"],
+    );
+    assert_eq!(folder.names(), ["a.png", "flat.obj", "scene.toml"]);
+}
