@@ -17,8 +17,8 @@ pub const fn gamma(n: u32) -> f32 {
 /// ```text
 /// δ = error · |ng|
 /// ```
-/// is the least distance along `ng` that is free of it for sure. `p ± δ ng` is then rounded outwards,
-/// one float a component.
+/// is the least distance along `ng` that is free of it for sure. `p ± δ ng` is then moved outwards by
+/// one ulp or two in each component, which makes up for its own rounding.
 ///
 /// Source: Pharr, Jakob & Humphreys, "Physically Based Rendering", 4th ed., 2023, section 6.8.6.
 #[inline]
@@ -27,18 +27,7 @@ pub fn offset_origin(p: Vec3, error: Vec3, ng: Vec3, dir: Vec3) -> Vec3 {
     let side = if dir.dot(ng) < 0.0 { -delta } else { delta };
     let offset = ng * side;
     let moved = p + offset;
-    let outward = |x: f32, o: f32| {
-        if o > 0.0 {
-            x.next_up()
-        } else if o < 0.0 {
-            x.next_down()
-        } else {
-            x
-        }
-    };
-    Vec3::new(
-        outward(moved.x, offset.x),
-        outward(moved.y, offset.y),
-        outward(moved.z, offset.z),
-    )
+    // At least one float further out; the least positive number takes the place of an ulp at 0.
+    let ulp = moved.abs() * f32::EPSILON + Vec3::splat(f32::MIN_POSITIVE);
+    moved + ulp.copysign(offset)
 }

@@ -29,17 +29,34 @@ impl Sphere {
     /// `uv`: longitude around +y from +x towards −z, and latitude from the south to the north
     /// pole, each mapped to `[0, 1]`. At the poles `u` is 0 and the tangent +x.
     pub fn point_at(&self, p: Vec3) -> SurfacePoint {
-        let center = self.center.as_dvec3();
-        let n = (p.as_dvec3() - center).normalize_or(DVec3::Y);
+        let n = self.outward(p);
         let longitude = (-n.z).atan2(n.x).rem_euclid(TAU);
         let latitude = n.y.clamp(-1.0, 1.0).asin();
         let tangent = DVec3::new(n.z, 0.0, -n.x).normalize_or(DVec3::X);
+        let (p, n) = self.position_normal(n);
         SurfacePoint {
-            p: (center + n * f64::from(self.radius)).as_vec3(),
-            n: n.as_vec3(),
+            p,
+            n,
             uv: Vec2::new((longitude / TAU) as f32, (0.5 + latitude / PI) as f32),
             tangent: tangent.as_vec3(),
         }
+    }
+
+    /// `p` and `n` of [`Sphere::point_at`], without the cost of the angles.
+    #[inline]
+    pub fn normal_at(&self, p: Vec3) -> (Vec3, Vec3) {
+        self.position_normal(self.outward(p))
+    }
+
+    #[inline]
+    fn outward(&self, p: Vec3) -> DVec3 {
+        (p.as_dvec3() - self.center.as_dvec3()).normalize_or(DVec3::Y)
+    }
+
+    #[inline]
+    fn position_normal(&self, n: DVec3) -> (Vec3, Vec3) {
+        let p = self.center.as_dvec3() + n * f64::from(self.radius);
+        (p.as_vec3(), n.as_vec3())
     }
 }
 

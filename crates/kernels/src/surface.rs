@@ -60,6 +60,16 @@ impl Surface {
         }
     }
 
+    /// `p` and `n` of [`Surface::point_at`], cheaper where the texture coordinates take angles.
+    #[inline]
+    pub fn normal_at(&self, part: u32, p: Vec3) -> (Vec3, Vec3) {
+        if let Self::Sphere(sphere) = self {
+            return sphere.normal_at(p);
+        }
+        let point = self.point_at(part, p);
+        (point.p, point.n)
+    }
+
     /// Tells whether the surface encloses a volume, so that glass made of it bends light.
     pub fn is_closed(&self) -> bool {
         !matches!(self, Self::Plane(_) | Self::Disk(_) | Self::Rectangle(_))

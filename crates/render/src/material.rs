@@ -106,6 +106,18 @@ impl Default for Material {
 }
 
 impl Material {
+    /// Tells whether anything of the material depends on texture coordinates.
+    pub fn is_textured(&self) -> bool {
+        let textures = [
+            &self.base_color_texture,
+            &self.metallic_roughness_texture,
+            &self.normal_texture,
+            &self.emission_texture,
+            &self.transmission_texture,
+        ];
+        textures.into_iter().any(Option::is_some)
+    }
+
     /// The fraction of light that is left after `distance` metres inside, by colour.
     ///
     /// ```text

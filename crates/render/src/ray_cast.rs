@@ -3,19 +3,17 @@
 //! Source: Appel, "Some Techniques for Shading Machine Renderings of Solids", AFIPS 1968.
 
 use crate::{
-    Bsdf, Environment, SurfaceInteraction,
+    Environment, SurfaceInteraction,
     bsdf::albedo_ggx,
     fresnel::{normal_reflectance, reflect},
 };
 use umbriel_kernels::glam::Vec3;
 
-/// Ray casting sees one surface: glass is drawn as if it let nothing through.
-pub(crate) fn simplify(bsdf: &mut Bsdf) {
-    bsdf.transmission = 0.0;
-}
-
 /// Light from the surroundings in place of indirect light: all of the specular lobe reflects the ambient light.
-pub(crate) fn ambient(environment: &Environment, surface: &SurfaceInteraction) -> Vec3 {
+///
+/// Ray casting sees one surface, so glass is drawn as if it let nothing through.
+pub(crate) fn shade(environment: &Environment, surface: &mut SurfaceInteraction) -> Vec3 {
+    surface.bsdf.transmission = 0.0;
     ambient_reflection(environment, surface, 1.0)
 }
 
@@ -27,16 +25,20 @@ pub(crate) fn ambient_reflection(
     specular: f32,
 ) -> Vec3 {
     let bsdf = &surface.bsdf;
+    let diffuse = bsdf.diffuse_color();
     let cos_o = surface.ns.dot(surface.wo).clamp(0.0, 1.0);
-    let coat = albedo_ggx(
-        cos_o,
-        bsdf.roughness,
-        Vec3::splat(normal_reflectance(bsdf.ior)),
-    );
-    let diffuse = bsdf.diffuse_color() * (Vec3::ONE - coat) * environment.ambient(surface.ns);
-    if specular == 0.0 {
-        return diffuse;
+    let mut sum = Vec3::ZERO;
+    if diffuse != Vec3::ZERO {
+        let coat = albedo_ggx(
+            cos_o,
+            bsdf.roughness,
+            Vec3::splat(normal_reflectance(bsdf.ior)),
+        );
+        sum += diffuse * (Vec3::ONE - coat) * environment.ambient(surface.ns);
     }
-    let mirrored = environment.ambient(reflect(surface.wo, surface.ns));
-    diffuse + albedo_ggx(cos_o, bsdf.roughness, bsdf.f0()) * mirrored * specular
+    if specular > 0.0 {
+        let mirrored = environment.ambient(reflect(surface.wo, surface.ns));
+        sum += albedo_ggx(cos_o, bsdf.roughness, bsdf.f0()) * mirrored * specular;
+    }
+    sum
 }

@@ -140,9 +140,10 @@ fn render_fixed(
     seed: u64,
 ) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; tile.len()];
-    let mut rays: Vec<Ray> = Vec::with_capacity(BATCH);
-    let mut radiance = vec![Vec3::ZERO; BATCH];
-    let mut pending = Vec::with_capacity(BATCH);
+    let mut rays: Vec<Ray> = Vec::new();
+    let batch = BATCH.min(tile.len() * spp as usize);
+    let mut radiance = vec![Vec3::ZERO; batch];
+    let mut pending = Vec::with_capacity(batch);
     let mut flush = |rays: &mut Vec<Ray>, pending: &mut Vec<usize>| {
         tracer.trace(rays, &mut radiance[..rays.len()]);
         for (&pixel, &sample) in pending.iter().zip(&radiance) {
@@ -156,7 +157,7 @@ fn render_fixed(
             let place = sample_pixel(x, y, sample, spp, seed);
             rays.push(frame.ray(Vec2::new(x as f32, y as f32) + place));
             pending.push(i);
-            if rays.len() == BATCH {
+            if rays.len() == batch {
                 flush(&mut rays, &mut pending);
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::{AlphaMode, Geometry, InstanceId, Mesh, Scene, surface};
 use umbriel_kernels::{
-    Aabb, Bvh, Hit, Ray, ShearedRay, Surface, glam::Affine3A, intersect_surface,
+    Aabb, Bvh, Hit, Ray, ShearedRay, Surface, SurfaceList, glam::Affine3A, intersect_surface,
     intersect_triangle_sheared,
 };
 
@@ -20,7 +20,12 @@ pub struct SceneBvh<'a> {
     unbounded: Vec<u32>,
     /// One tree over the triangles of each mesh.
     meshes: Vec<Bvh>,
+    /// All of the scene, where it is a handful of surfaces.
+    handful: Option<SurfaceList>,
 }
+
+/// Up to this many surfaces are tested one after the other, many rays at once.
+const HANDFUL: usize = 12;
 
 /// An instance with what every ray needs of it.
 #[derive(Debug)]
@@ -63,8 +68,9 @@ impl<'a> SceneBvh<'a> {
         }
         Self {
             scene,
-            placed,
             bounded: Bvh::build(&boxes),
+            handful: handful(&placed),
+            placed,
             unbounded,
             meshes,
         }
@@ -85,6 +91,10 @@ impl<'a> SceneBvh<'a> {
     /// Holes of materials with [`AlphaMode::Mask`] are not met. `hits` is as long as `rays`.
     pub fn intersect(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len());
+        if let Some(list) = &self.handful {
+            list.closest(rays, hits);
+            return;
+        }
         for (ray, hit) in rays.iter().zip(hits) {
             *hit = self.closest(ray);
         }
@@ -93,6 +103,10 @@ impl<'a> SceneBvh<'a> {
     /// Whether anything stands in each ray's way. `occluded` is as long as `rays`.
     pub fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
         assert_eq!(rays.len(), occluded.len());
+        if let Some(list) = &self.handful {
+            list.any(rays, occluded);
+            return;
+        }
         for (ray, occluded) in rays.iter().zip(occluded) {
             *occluded = self.any(ray);
         }
@@ -213,6 +227,25 @@ fn wins(hit: &Hit, best: Option<&Hit>) -> bool {
         hit.t < best.t
             || (hit.t == best.t && (hit.instance, hit.primitive) < (best.instance, best.primitive))
     })
+}
+
+/// The whole scene as a list, if it is a handful of untransformed surfaces without holes.
+fn handful(placed: &[Placed]) -> Option<SurfaceList> {
+    let plain = |(k, placed): (usize, &Placed)| match placed.shape {
+        Shape::Surface(surface) if placed.to_object.is_none() && !placed.holes => {
+            Some((k as u32, *surface))
+        }
+        _ => None,
+    };
+    if placed.len() > HANDFUL {
+        return None;
+    }
+    placed
+        .iter()
+        .enumerate()
+        .map(plain)
+        .collect::<Option<Vec<_>>>()
+        .map(SurfaceList::new)
 }
 
 fn build_mesh(mesh: &Mesh) -> Bvh {

@@ -53,8 +53,8 @@ pub struct Settings {
     pub sampling: Sampling,
     /// Greatest number of mirrored or refracted rays one after the other; 0 is ray casting.
     pub depth: u32,
-    /// Rays whose weight falls below this in every channel are not traced (Hall & Greenberg 1983);
-    /// 1/1024 is invisible in 8 bits.
+    /// Rays whose weight falls below this in every channel are not traced (Hall & Greenberg 1983), nor is light of
+    /// which a surface reflects less than this share. 1/256 is one step of an 8-bit picture.
     pub min_weight: f32,
     /// Whether lights cast shadows.
     pub shadows: bool,
@@ -72,7 +72,7 @@ impl Default for Settings {
             crop: None,
             sampling: Sampling::Fixed { spp: 1 },
             depth: 8,
-            min_weight: 1.0 / 1024.0,
+            min_weight: 1.0 / 256.0,
             shadows: true,
             glass_shadows: GlassShadows::default(),
             seed: 0,

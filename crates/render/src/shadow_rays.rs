@@ -36,7 +36,7 @@ impl<'a> ShadowRays<'a> {
     /// Follows each ray from surface to surface until the light or something opaque.
     ///
     /// A ray goes straight on: what passes a surface is `1 − alpha` of it, or for glass its
-    /// [`Bsdf::transmittance`](crate::Bsdf::transmittance) and the absorption on the way inside.
+    /// [`Bsdf::split`](crate::Bsdf::split) and the absorption on the way inside.
     fn filter(&mut self, rays: &[Ray], fractions: &mut [Vec3]) {
         fractions.fill(Vec3::ONE);
         let mut active: Vec<(usize, Ray)> = rays.iter().copied().enumerate().collect();
@@ -81,7 +81,7 @@ impl<'a> ShadowRays<'a> {
         let surface = surface_interaction(self.bvh, &unit, &unit_hit);
         let mut through = Vec3::ZERO;
         if self.filter_glass {
-            through = surface.bsdf.transmittance(surface.wo.dot(surface.ns));
+            (_, through) = surface.bsdf.split(surface.wo.dot(surface.ns));
             if !surface.front {
                 let material = scene.instances[hit.instance as usize].material;
                 through *= scene.materials[material.index()].absorption(unit_hit.t);
@@ -104,7 +104,7 @@ impl<'a> ShadowRays<'a> {
 }
 
 impl Visibility for ShadowRays<'_> {
-    fn transmittance(&mut self, _light: usize, rays: &[Ray], fractions: &mut [Vec3]) {
+    fn transmittance(&mut self, rays: &[Ray], _lights: &[u32], fractions: &mut [Vec3]) {
         if self.translucent {
             self.filter(rays, fractions);
             return;

@@ -87,12 +87,24 @@ pub(crate) fn alpha_at(scene: &Scene, object_ray: &Ray, hit: &Hit) -> f32 {
 fn object_point(scene: &Scene, instance: &Instance, object_ray: &Ray, hit: &Hit) -> ObjectPoint {
     match instance.geometry {
         Geometry::Mesh(id) => mesh_point(&scene.meshes[id.index()], hit),
+        Geometry::Surface(id) if !scene.materials[instance.material.index()].is_textured() => {
+            let (p, n) = scene.surfaces[id.index()].normal_at(hit.primitive, object_ray.at(hit.t));
+            ObjectPoint {
+                p,
+                error: surface_error(p),
+                lift: Vec3::ZERO,
+                ng: n,
+                ns: n,
+                tangent: Vec4::ZERO,
+                uvs: [Vec2::ZERO; 2],
+                color: Vec4::ONE,
+            }
+        }
         Geometry::Surface(id) => {
             let at = scene.surfaces[id.index()].point_at(hit.primitive, object_ray.at(hit.t));
             ObjectPoint {
                 p: at.p,
-                // Moved onto the surface in f64 and rounded once; one more ulp for the normal's rounding.
-                error: at.p.abs() * gamma(4) + Vec3::splat(f32::MIN_POSITIVE),
+                error: surface_error(at.p),
                 lift: Vec3::ZERO,
                 ng: at.n,
                 ns: at.n,
@@ -102,6 +114,12 @@ fn object_point(scene: &Scene, instance: &Instance, object_ray: &Ray, hit: &Hit)
             }
         }
     }
+}
+
+/// Moved onto the surface in f64 and rounded once; the rest is for the normal's rounding.
+#[inline]
+fn surface_error(p: Vec3) -> Vec3 {
+    p.abs() * gamma(4) + Vec3::splat(f32::MIN_POSITIVE)
 }
 
 fn mesh_point(mesh: &Mesh, hit: &Hit) -> ObjectPoint {

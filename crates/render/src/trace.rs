@@ -53,10 +53,6 @@ pub(crate) struct Tracer<'a> {
     queue: Queue,
     next: Queue,
     hits: Vec<Option<Hit>>,
-    surfaces: Vec<SurfaceInteraction>,
-    /// For each surface, which entry of the queue found it, with the weight that reaches it.
-    found_by: Vec<(u32, RayState)>,
-    reflected: Vec<Vec3>,
     /// Eye, mirrored and refracted rays so far.
     pub(crate) rays: u64,
     /// Samples that were not finite and count as black.
@@ -73,9 +69,6 @@ impl<'a> Tracer<'a> {
             queue: Queue::default(),
             next: Queue::default(),
             hits: Vec::new(),
-            surfaces: Vec::new(),
-            found_by: Vec::new(),
-            reflected: Vec::new(),
             rays: 0,
             bad_samples: 0,
         }
@@ -105,8 +98,8 @@ impl<'a> Tracer<'a> {
         while !self.queue.rays.is_empty() {
             self.intersect();
             self.next.clear();
-            self.evaluate(radiance);
             self.shade(radiance);
+            self.light(radiance);
             std::mem::swap(&mut self.queue, &mut self.next);
         }
         for sample in radiance {
@@ -125,83 +118,74 @@ impl<'a> Tracer<'a> {
         self.rays += self.queue.rays.len() as u64;
     }
 
-    /// Step 2: evaluate the surfaces. Rays that hit nothing see the sky; rays that hit a partly transparent surface
-    /// also go on behind it.
-    fn evaluate(&mut self, radiance: &mut [Vec3]) {
+    /// Steps 2 and 4: evaluate each surface, add what it emits, take down its direct light, and push the rays that
+    /// go on from it. Rays that hit nothing see the sky.
+    fn shade(&mut self, radiance: &mut [Vec3]) {
         let scene = self.bvh.scene();
-        self.surfaces.clear();
-        self.found_by.clear();
-        for (i, (ray, state)) in self.queue.rays.iter().zip(&self.queue.states).enumerate() {
-            let Some(hit) = &self.hits[i] else {
-                radiance[state.sample as usize] +=
-                    state.weight * scene.environment.radiance(ray.dir);
+        for ((ray, state), hit) in self
+            .queue
+            .rays
+            .iter()
+            .zip(&self.queue.states)
+            .zip(&self.hits)
+        {
+            let sum = &mut radiance[state.sample as usize];
+            let Some(hit) = hit else {
+                *sum += state.weight * scene.environment.radiance(ray.dir);
                 continue;
             };
-            let mut surface = surface_interaction(self.bvh, ray, hit);
             let mut state = *state;
             if let Some(medium) = state.medium {
                 state.weight *= scene.materials[medium.index()].absorption(hit.t);
             }
-            if self.settings.method == Method::RayCast {
-                ray_cast::simplify(&mut surface.bsdf);
+            let mut surface = surface_interaction(self.bvh, ray, hit);
+            if surface.bsdf.alpha < 1.0 {
+                pass(&surface, ray, &state, &mut self.next);
+                state.weight *= surface.bsdf.alpha;
             }
-            let alpha = surface.bsdf.alpha;
-            if alpha < 1.0 && state.passes < MAX_PASSES {
-                let origin = offset_origin(surface.p, surface.error, surface.ng, ray.dir);
-                let behind = RayState {
-                    weight: state.weight * (1.0 - alpha),
-                    passes: state.passes + 1,
-                    ..state
-                };
-                self.next.push(Ray::new(origin, ray.dir), behind);
-            }
-            if alpha > 0.0 {
-                state.weight *= alpha;
-                self.found_by.push((i as u32, state));
-                self.surfaces.push(surface);
-            }
-        }
-    }
-
-    /// Steps 3 and 4: add what each surface emits and reflects, and push the rays that the method spawns.
-    fn shade(&mut self, radiance: &mut [Vec3]) {
-        let scene = self.bvh.scene();
-        self.reflected.clear();
-        self.reflected.resize(self.surfaces.len(), Vec3::ZERO);
-        if self.settings.shadows {
-            self.direct.add(
-                scene,
-                &self.surfaces,
-                &mut self.shadow_rays,
-                &mut self.reflected,
-            );
-        } else {
-            self.direct
-                .add(scene, &self.surfaces, &mut Unshadowed, &mut self.reflected);
-        }
-        for ((surface, (source, state)), direct) in self
-            .surfaces
-            .iter()
-            .zip(&self.found_by)
-            .zip(&self.reflected)
-        {
-            let sum = &mut radiance[state.sample as usize];
             if surface.bsdf.unlit {
                 *sum += state.weight * surface.bsdf.base_color;
                 continue;
             }
-            *sum += state.weight * (surface.bsdf.emission + *direct);
-            match self.settings.method {
-                Method::RayCast => {
-                    *sum += state.weight * ray_cast::ambient(&scene.environment, surface)
-                }
+            let ambient = match self.settings.method {
+                Method::RayCast => ray_cast::shade(&scene.environment, &mut surface),
                 Method::Whitted => {
-                    *sum += state.weight * whitted::ambient(&scene.environment, surface);
-                    let instance = self.hits[*source as usize].map_or(0, |hit| hit.instance);
-                    let material = scene.instances[instance as usize].material;
-                    whitted::spawn(self.settings, surface, state, material, &mut self.next);
+                    let material = scene.instances[hit.instance as usize].material;
+                    whitted::spawn(self.settings, &surface, &state, material, &mut self.next);
+                    whitted::ambient(&scene.environment, &surface)
                 }
-            }
+            };
+            *sum += state.weight * (surface.bsdf.emission + ambient);
+            self.direct.add(
+                scene,
+                &surface,
+                state.weight,
+                state.sample,
+                self.settings.min_weight,
+            );
         }
     }
+
+    /// Step 3: add the direct light where the batch of shadow queries says lit.
+    fn light(&mut self, radiance: &mut [Vec3]) {
+        if self.settings.shadows {
+            self.direct.resolve(&mut self.shadow_rays, radiance);
+        } else {
+            self.direct.resolve(&mut Unshadowed, radiance);
+        }
+    }
+}
+
+/// Pushes what is left of a ray behind a partly transparent surface.
+fn pass(surface: &SurfaceInteraction, ray: &Ray, state: &RayState, queue: &mut Queue) {
+    if state.passes >= MAX_PASSES {
+        return;
+    }
+    let behind = RayState {
+        weight: state.weight * (1.0 - surface.bsdf.alpha),
+        passes: state.passes + 1,
+        ..*state
+    };
+    let origin = offset_origin(surface.p, surface.error, surface.ng, ray.dir);
+    queue.push(Ray::new(origin, ray.dir), behind);
 }

@@ -8,7 +8,7 @@ use umbriel_kernels::{Ray, glam::Vec3};
 pub struct Unshadowed;
 
 impl Visibility for Unshadowed {
-    fn transmittance(&mut self, _light: usize, _rays: &[Ray], fractions: &mut [Vec3]) {
+    fn transmittance(&mut self, _rays: &[Ray], _lights: &[u32], fractions: &mut [Vec3]) {
         fractions.fill(Vec3::ONE);
     }
 }

@@ -109,12 +109,8 @@ pub(crate) fn check_finite(field: &'static str, v: Vec3) -> Check {
 
 /// Finite and greater than 0.
 pub(crate) fn check_positive(field: &'static str, x: f32) -> Check {
-    check(
-        x > 0.0 && x.is_finite(),
-        field,
-        x,
-        "greater than 0 and finite",
-    )
+    check(x > 0.0, field, x, "greater than 0")?;
+    check(x.is_finite(), field, x, "finite")
 }
 
 /// In `[0, 1]`.
@@ -122,14 +118,13 @@ pub(crate) fn check_unit(field: &'static str, x: f32) -> Check {
     check((0.0..=1.0).contains(&x), field, x, "from 0 to 1")
 }
 
-/// Light: finite, no component below 0.
+/// Light: finite, no component below 0. Grey is shown as one number.
 pub(crate) fn check_color(field: &'static str, v: Vec3) -> Check {
-    check(
-        v.is_finite() && v.min_element() >= 0.0,
-        field,
-        v,
-        "finite and 0 or greater",
-    )
+    let fine = v.is_finite() && v.min_element() >= 0.0;
+    match v == Vec3::splat(v.x) {
+        true => check(fine, field, v.x, "0 or greater and finite"),
+        false => check(fine, field, v, "0 or greater and finite in every component"),
+    }
 }
 
 /// Finite, and neither zero nor so short or long that its square under- or overflows.

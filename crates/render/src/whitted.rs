@@ -45,25 +45,22 @@ pub(crate) fn spawn(
         return;
     }
     let bsdf = &surface.bsdf;
-    let cos_o = surface.ns.dot(surface.wo);
+    let (reflected, transmitted) = bsdf.split(surface.ns.dot(surface.wo));
     let child = RayState {
         depth: state.depth + 1,
         ..*state
     };
+    let enough = |weight: Vec3| weight.max_element() >= settings.min_weight;
     let mut push = |dir: Vec3, child: RayState| {
-        if child.weight.max_element() >= settings.min_weight {
-            let origin = offset_origin(surface.p, surface.error, surface.ng, dir);
-            queue.push(Ray::new(origin, dir), child);
-        }
+        let origin = offset_origin(surface.p, surface.error, surface.ng, dir);
+        queue.push(Ray::new(origin, dir), child);
     };
-    let mirrored = RayState {
-        weight: state.weight * bsdf.reflectance(cos_o) * mirror_share(bsdf.roughness),
-        ..child
-    };
-    push(mirrored_direction(surface), mirrored);
-
-    let weight = state.weight * bsdf.transmittance(cos_o);
-    if weight != Vec3::ZERO
+    let weight = state.weight * reflected * mirror_share(bsdf.roughness);
+    if enough(weight) {
+        push(mirrored_direction(surface), RayState { weight, ..child });
+    }
+    let weight = state.weight * transmitted;
+    if enough(weight)
         && let Some(dir) = refracted_direction(surface)
     {
         let medium = if bsdf.thin_walled {
@@ -71,14 +68,12 @@ pub(crate) fn spawn(
         } else {
             surface.front.then_some(material)
         };
-        push(
-            dir,
-            RayState {
-                weight,
-                medium,
-                ..child
-            },
-        );
+        let through = RayState {
+            weight,
+            medium,
+            ..child
+        };
+        push(dir, through);
     }
 }
 

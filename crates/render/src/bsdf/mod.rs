@@ -61,53 +61,46 @@ impl Bsdf {
         if !(cos_i > 0.0) {
             return Vec3::ZERO;
         }
-        let f0 = self.f0();
         let half = (wo + wi).normalize_or(n);
-        let fresnel = fresnel_schlick(wo.dot(half), f0);
+        let cos_h = wo.dot(half);
+        let dielectric = normal_reflectance(self.ior);
         // What the dielectric's surface reflects does not reach its inside.
-        let inside =
-            1.0 - fresnel_schlick(wo.dot(half), Vec3::splat(normal_reflectance(self.ior))).x;
-        let diffuse = eval_diffuse(self.diffuse_color() * inside);
+        let inside = 1.0 - fresnel_schlick(cos_h, Vec3::splat(dielectric)).x;
+        let mut f = eval_diffuse(self.diffuse_color() * inside);
         let alpha = self.roughness * self.roughness;
-        let specular = if alpha > 0.0 {
-            fresnel * eval_ggx(alpha, n, half, wo, wi)
-        } else {
-            Vec3::ZERO
-        };
-        (diffuse + specular) * cos_i
+        if alpha > 0.0 {
+            f += fresnel_schlick(cos_h, self.f0()) * eval_ggx(alpha, n, half, wo, wi);
+        }
+        f * cos_i
     }
 
-    /// The fraction of light from the mirrored direction that a smooth surface reflects.
+    /// The fractions of light from the mirrored direction that a smooth surface reflects, and of light from the
+    /// other side that it lets through, by colour.
     ///
     /// `cos_o = n·wo`. Exact for the dielectric, Schlick's approximation for the metal; a thin wall reflects at both
-    /// of its sides, again and again: `2F/(1 + F)`.
+    /// of its sides, again and again:
+    /// ```text
+    /// R = F + (1−F)² F (1 + F² + F⁴ + ...) = 2F/(1 + F)      T = base colour · (1 − R) · transmission
+    /// ```
     #[inline]
-    pub fn reflectance(&self, cos_o: f32) -> Vec3 {
+    pub fn split(&self, cos_o: f32) -> (Vec3, Vec3) {
         let cos = cos_o.clamp(0.0, 1.0);
-        let f = fresnel_dielectric(cos, if self.thin_walled { self.ior } else { self.eta });
-        let f = if self.thin_walled {
+        let dielectric = if self.thin_walled {
+            let f = fresnel_dielectric(cos, self.ior);
             2.0 * f / (1.0 + f)
         } else {
-            f
+            fresnel_dielectric(cos, self.eta)
         };
         if self.metallic == 0.0 {
-            return Vec3::splat(f);
+            let through = self.base_color * (self.transmission * (1.0 - dielectric));
+            return (Vec3::splat(dielectric), through);
         }
-        Vec3::splat(f).lerp(fresnel_schlick(cos, self.base_color), self.metallic)
-    }
-
-    /// The fraction of light that goes through the surface, by colour; see [`Bsdf::reflectance`].
-    #[inline]
-    pub fn transmittance(&self, cos_o: f32) -> Vec3 {
-        let through = (1.0 - self.metallic) * self.transmission;
-        if through == 0.0 {
-            return Vec3::ZERO;
-        }
-        let dielectric = Self {
-            metallic: 0.0,
-            ..*self
-        };
-        self.base_color * (through * (1.0 - dielectric.reflectance(cos_o).x))
+        let metal = fresnel_schlick(cos, self.base_color);
+        let through = (1.0 - self.metallic) * self.transmission * (1.0 - dielectric);
+        (
+            Vec3::splat(dielectric).lerp(metal, self.metallic),
+            self.base_color * through,
+        )
     }
 }
 
@@ -139,7 +132,8 @@ mod tests {
                 ..glass()
             };
             for cos in [0.01, 0.3, 0.7, 1.0] {
-                let sum = glass.reflectance(cos) + glass.transmittance(cos);
+                let (reflected, transmitted) = glass.split(cos);
+                let sum = reflected + transmitted;
                 assert!((sum - Vec3::ONE).length() < 1e-6, "{sum}");
             }
         }
@@ -157,7 +151,7 @@ mod tests {
             thin_walled: true,
             ..glass()
         };
-        assert!((f64::from(wall.reflectance(1.0).x) - series).abs() < 1e-6);
+        assert!((f64::from(wall.split(1.0).0.x) - series).abs() < 1e-6);
     }
 
     /// Reciprocity up to the cosine: f(wo, wi) = f(wi, wo).
