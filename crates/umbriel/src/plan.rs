@@ -20,7 +20,7 @@ pub(crate) enum Target {
     Exr,
 }
 
-/// Exposure when neither the options nor the scene say one.
+/// What is rendered, and how it becomes a PNG.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     pub(crate) settings: Settings,

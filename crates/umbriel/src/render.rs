@@ -7,7 +7,7 @@ use crate::{
     info::is_model,
     interrupt::{self, Phase, STOP},
     output::write_picture,
-    plan::{self, Plan, Target, check_memory, check_target, make_plan},
+    plan::{Plan, Target, check_memory, check_target, make_plan},
     progress::Progress,
     run::print_line,
     summary::{Phases, Summary, print_loaded},
@@ -37,18 +37,7 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
     let (loaded, load) = timed(|| pool.install(|| load(args)));
     let loaded = loaded?;
     let plan = make_plan(args, &loaded.settings, default_exposure(args, &loaded))?;
-    let layer_channels: usize = args
-        .aov
-        .iter()
-        .flatten()
-        .map(|aov| aov.channels().len())
-        .sum();
-    let channels = if target == Target::Exr {
-        4 + layer_channels
-    } else {
-        0
-    };
-    check_memory(plan.settings.resolution, channels as u64)?;
+    check_memory(plan.settings.resolution, exr_channels(args, target))?;
     let camera = choose_camera(&loaded.scene, args)?;
     if !args.quiet {
         print_loaded(args, &loaded, &plan, &camera, target);
@@ -63,7 +52,8 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
         ));
     }
     interrupt::enter(Phase::Writing);
-    let (written, write) = timed(|| pool.install(|| write_picture(args, &plan, target, &film.image, &layers)));
+    let (written, write) =
+        timed(|| pool.install(|| write_picture(args, &plan, target, &film.image, &layers)));
     interrupt::enter(Phase::Waiting);
 
     let summary = Summary {
@@ -83,6 +73,21 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
         },
     };
     report(args, &summary)
+}
+
+/// Channels of the file beside the film; a PNG has none.
+fn exr_channels(args: &RenderArgs, target: Target) -> u64 {
+    let layers: usize = args
+        .aov
+        .iter()
+        .flatten()
+        .map(|aov| aov.channels().len())
+        .sum();
+    if target == Target::Exr {
+        4 + layers as u64
+    } else {
+        0
+    }
 }
 
 fn report(args: &RenderArgs, summary: &Summary) -> Result<(), Failure> {
@@ -177,7 +182,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
 }
 
 /// Whether a note about an option without effect is due, and which.
-pub(crate) fn idle_options(args: &RenderArgs, target: plan::Target) -> Option<&'static str> {
+pub(crate) fn idle_options(args: &RenderArgs, target: Target) -> Option<&'static str> {
     let tone = args.exposure.is_some() || args.tonemap.is_some();
     (target == Target::Exr && tone)
         .then_some("--exposure and --tonemap have no effect on EXR, which holds light as it is")

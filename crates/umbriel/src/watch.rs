@@ -84,10 +84,19 @@ fn wait_for_change(
             .recv()
             .map_err(|_| Failure::new(Exit::Internal, "--watch: the watcher has ended"))?;
         if is_ours(&event) {
-            while receiver.recv_timeout(QUIET).is_ok() {}
-            return Ok(());
+            break;
         }
     }
+    // Only what concerns the picture counts: somebody may be reading in the same folder all the time.
+    let mut last = Instant::now();
+    while let Some(left) = QUIET.checked_sub(last.elapsed()) {
+        match receiver.recv_timeout(left) {
+            Ok(event) if is_ours(&event) => last = Instant::now(),
+            Ok(_) => {}
+            Err(_) => break,
+        }
+    }
+    Ok(())
 }
 
 /// Named files, and those that are named without quotes: materials and buffers beside a model.
