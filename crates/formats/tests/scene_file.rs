@@ -12,7 +12,8 @@ fn load(text: &str) -> Loaded {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, text).unwrap();
-    load_scene(&path, &LoadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{}", e.snippet.clone().unwrap_or_default()))
+    load_scene(&path, &LoadOptions::default())
+        .unwrap_or_else(|e| panic!("{e}\n{}", e.snippet.clone().unwrap_or_default()))
 }
 
 #[test]
@@ -23,7 +24,11 @@ fn all_scenes_load() {
         if path.extension().is_some_and(|e| e == "toml") {
             let loaded = load_scene(&path, &LoadOptions::default())
                 .unwrap_or_else(|e| panic!("{e}\n{}", e.snippet.clone().unwrap_or_default()));
-            assert!(loaded.report.ignored.is_empty() && loaded.report.notes.is_empty(), "{path:?}: {:?}", loaded.report);
+            assert!(
+                loaded.report.ignored.is_empty() && loaded.report.notes.is_empty(),
+                "{path:?}: {:?}",
+                loaded.report
+            );
             assert_eq!(loaded.scene.validate(), Ok(()));
             count += 1;
         }
@@ -51,27 +56,62 @@ const EVERYTHING: &str = include_str!("everything.toml");
 
 #[test]
 fn every_key_is_understood() {
-    let Loaded { scene, settings, .. } = load(EVERYTHING);
-    assert_eq!(settings.sampling, Some(Sampling::Adaptive { threshold: 0.1, levels: 3 }));
+    let Loaded {
+        scene, settings, ..
+    } = load(EVERYTHING);
+    assert_eq!(
+        settings.sampling,
+        Some(Sampling::Adaptive {
+            threshold: 0.1,
+            levels: 3
+        })
+    );
     assert_eq!(settings.resolution, Some([320, 200]));
-    assert_eq!((settings.depth, settings.seed, settings.exposure), (Some(4), Some(7), Some(-1.5)));
+    assert_eq!(
+        (settings.depth, settings.seed, settings.exposure),
+        (Some(4), Some(7), Some(-1.5))
+    );
     assert_eq!(settings.shadows, Some(false));
-    assert_eq!((scene.surfaces.len(), scene.instances.len(), scene.lights.len()), (8, 8, 4));
+    assert_eq!(
+        (
+            scene.surfaces.len(),
+            scene.instances.len(),
+            scene.lights.len()
+        ),
+        (8, 8, 4)
+    );
     assert_eq!(scene.environment.zenith.to_array(), [0.1, 0.2, 0.3]);
     assert_eq!(scene.environment.nadir.to_array(), [0.5; 3]);
-    let Projection::Orthographic { half_height } = scene.cameras[1].projection else { panic!() };
+    let Projection::Orthographic { half_height } = scene.cameras[1].projection else {
+        panic!()
+    };
     assert_eq!(half_height, 2.0);
     let glass = &scene.materials[0];
-    assert_eq!((glass.ior, glass.transmission, glass.attenuation_distance), (1.33, 1.0, 2.0));
+    assert_eq!(
+        (glass.ior, glass.transmission, glass.attenuation_distance),
+        (1.33, 1.0, 2.0)
+    );
     let used = glass.base_color_texture.unwrap();
     assert_eq!(used.uv_set, 1);
     assert_eq!(used.transform.translation.to_array(), [0.5, 0.25]);
-    assert!(matches!(scene.textures[0], Texture::Checker(c) if c.odd.to_array() == [0.2, 0.2, 0.2, 1.0]));
-    let Light::Spot(spot) = &scene.lights[1] else { panic!() };
-    assert!((spot.direction.y + 1.0).abs() < 1e-6 && (spot.outer_angle.to_degrees() - 30.0).abs() < 1e-4);
+    assert!(
+        matches!(scene.textures[0], Texture::Checker(c) if c.odd.to_array() == [0.2, 0.2, 0.2, 1.0])
+    );
+    let Light::Spot(spot) = &scene.lights[1] else {
+        panic!()
+    };
+    assert!(
+        (spot.direction.y + 1.0).abs() < 1e-6
+            && (spot.outer_angle.to_degrees() - 30.0).abs() < 1e-4
+    );
     // Rotated about x by 90°, y becomes z; then scaled before, moved after.
-    let p = scene.instances[0].transform.transform_point3([0.0, 1.0, 0.0].into());
-    assert!((p - umbriel_formats::render::kernels::glam::Vec3::new(1.0, 2.0, 5.0)).length() < 1e-5, "{p}");
+    let p = scene.instances[0]
+        .transform
+        .transform_point3([0.0, 1.0, 0.0].into());
+    assert!(
+        (p - umbriel_formats::render::kernels::glam::Vec3::new(1.0, 2.0, 5.0)).length() < 1e-5,
+        "{p}"
+    );
     assert!(scene.instances[0].inside_out);
 }
 
@@ -80,11 +120,26 @@ fn every_key_is_understood() {
 fn the_everything_file_has_every_key() {
     let schema: serde_json::Value = serde_json::from_str(&scene_schema()).unwrap();
     let mut missing = Vec::new();
-    let tables = schema["$defs"].as_object().unwrap().values().chain([&schema]);
-    for key in tables.filter_map(|t| t["properties"].as_object()).flat_map(|p| p.keys()) {
-        let written = EVERYTHING.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == key);
+    let tables = schema["$defs"]
+        .as_object()
+        .unwrap()
+        .values()
+        .chain([&schema]);
+    for key in tables
+        .filter_map(|t| t["properties"].as_object())
+        .flat_map(|p| p.keys())
+    {
+        let written = EVERYTHING
+            .split(|c: char| !c.is_alphanumeric() && c != '_')
+            .any(|word| word == key);
         // These need files, and have tests of their own.
-        if !written && !["include", "file", "image", "encoding", "wrap", "filter", "mesh", "model", "spp", "color"].contains(&key.as_str()) {
+        if !written
+            && ![
+                "include", "file", "image", "encoding", "wrap", "filter", "mesh", "model", "spp",
+                "color",
+            ]
+            .contains(&key.as_str())
+        {
             missing.push(key.clone());
         }
     }
@@ -96,7 +151,11 @@ fn an_empty_file_is_a_background() {
     for text in ["", "\u{feff}", "\u{feff}# nothing\r\n", "\r\n\t\r\n"] {
         let loaded = load(text);
         assert!(loaded.scene.instances.is_empty());
-        assert!(loaded.report.notes[0].contains("background"), "{:?}", loaded.report);
+        assert!(
+            loaded.report.notes[0].contains("background"),
+            "{:?}",
+            loaded.report
+        );
         assert_eq!(loaded.scene.cameras.len(), 1);
     }
 }
@@ -108,7 +167,10 @@ fn included_and_imported_files_join_the_scene() {
     let triangle = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
                     element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
     write("t.ply", triangle);
-    write("materials.toml", "[render]\ndepth = 2\nspp = 9\n[[material]]\nname = \"red\"\n");
+    write(
+        "materials.toml",
+        "[render]\ndepth = 2\nspp = 9\n[[material]]\nname = \"red\"\n",
+    );
     write(
         "scene.toml",
         "include = [\"materials.toml\"]\n[render]\ndepth = 5\n[[sphere]]\ncenter = [0,0,0]\nradius = 1\nmaterial = \"red\"\n\
@@ -117,10 +179,16 @@ fn included_and_imported_files_join_the_scene() {
     );
     let loaded = load_scene(&folder.path().join("scene.toml"), &LoadOptions::default()).unwrap();
     let scene = &loaded.scene;
-    assert_eq!((loaded.settings.depth, loaded.settings.sampling), (Some(5), Some(Sampling::Fixed { spp: 9 })));
+    assert_eq!(
+        (loaded.settings.depth, loaded.settings.sampling),
+        (Some(5), Some(Sampling::Fixed { spp: 9 }))
+    );
     assert_eq!((scene.meshes.len(), scene.instances.len()), (2, 3));
     assert_eq!(scene.instances[0].material, scene.instances[1].material);
     assert!(scene.instances[1].name.starts_with('m'));
-    assert_eq!(scene.instances[1].transform.translation.to_array(), [1.0, 2.0, 3.0]);
+    assert_eq!(
+        scene.instances[1].transform.translation.to_array(),
+        [1.0, 2.0, 3.0]
+    );
     assert_ne!(scene.instances[2].material, scene.instances[1].material);
 }

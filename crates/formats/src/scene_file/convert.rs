@@ -8,8 +8,8 @@ use crate::{FileError, Report};
 use std::collections::{BTreeMap, HashMap};
 use umbriel_render::kernels::glam::{Affine3A, Vec3};
 use umbriel_render::{
-    Camera, DirectionalLight, Element, Environment, Geometry, Instance, Light, MaterialId, PointLight, Projection,
-    Scene, SceneError, SpotLight, SurfaceId, TextureId,
+    Camera, DirectionalLight, Element, Environment, Geometry, Instance, Light, MaterialId,
+    PointLight, Projection, Scene, SceneError, SpotLight, SurfaceId, TextureId,
 };
 
 /// One table of a document: where something of the scene comes from.
@@ -22,7 +22,11 @@ pub(super) struct Spot {
 
 impl Spot {
     pub(super) fn new(part: usize, table: &'static str, index: usize) -> Self {
-        Self { part, table, index: Some(index) }
+        Self {
+            part,
+            table,
+            index: Some(index),
+        }
     }
 }
 
@@ -56,26 +60,42 @@ pub(super) fn build_scene(parts: &[Part], report: &mut Report) -> Result<Scene, 
     builder.add_cameras()?;
     builder.add_lights()?;
     builder.add_files()?;
-    builder.scene.validate().map_err(|error| builder.scene_fault(&error))?;
+    builder
+        .scene
+        .validate()
+        .map_err(|error| builder.scene_fault(&error))?;
     Ok(builder.scene)
 }
 
 impl Builder<'_> {
     /// The error at the first of `fields` that was written, or at the table's header.
-    pub(super) fn fault(&self, spot: Spot, fields: &[&str], message: impl Into<String>) -> FileError {
+    pub(super) fn fault(
+        &self,
+        spot: Spot,
+        fields: &[&str],
+        message: impl Into<String>,
+    ) -> FileError {
         let source = &self.parts[spot.part].source;
-        source.error(Fault::new(source.span_of(spot.table, spot.index, fields), message))
+        source.error(Fault::new(
+            source.span_of(spot.table, spot.index, fields),
+            message,
+        ))
     }
 
     /// The error of a name that was given before.
     pub(super) fn duplicate(&self, spot: Spot, first: Spot, what: &str, name: &str) -> FileError {
         let source = &self.parts[first.part].source;
-        let (line, _) = source.line_column(source.span_of(first.table, first.index, &["name"]).start);
+        let (line, _) =
+            source.line_column(source.span_of(first.table, first.index, &["name"]).start);
         let place = match first.part == spot.part {
             true => format!("line {line}"),
             false => format!("{}:{line}", source.path.display()),
         };
-        self.fault(spot, &["name"], format!("second {what} with the name \"{name}\"; the first is at {place}"))
+        self.fault(
+            spot,
+            &["name"],
+            format!("second {what} with the name \"{name}\"; the first is at {place}"),
+        )
     }
 
     pub(super) fn add_origin(&mut self, element: Element, spot: Spot) {
@@ -84,7 +104,11 @@ impl Builder<'_> {
 
     /// A fault of the scene, at the key that made it.
     fn scene_fault(&self, error: &SceneError) -> FileError {
-        let root = Spot { part: 0, table: "environment", index: None };
+        let root = Spot {
+            part: 0,
+            table: "environment",
+            index: None,
+        };
         let spot = self.origins.get(&error.element).copied().unwrap_or(root);
         let mut fields = vec![error.field];
         fields.extend_from_slice(match error.field {
@@ -95,25 +119,44 @@ impl Builder<'_> {
             _ => &[],
         });
         if matches!(spot.table, "mesh" | "model") && error.field != "transform" {
-            let message = format!("{:?} of the file: `{}` {}", error.element, error.field, error.message);
+            let message = format!(
+                "{:?} of the file: `{}` {}",
+                error.element, error.field, error.message
+            );
             return self.fault(spot, &["file"], message);
         }
-        self.fault(spot, &fields, format!("`{}` {}", error.field, error.message))
+        self.fault(
+            spot,
+            &fields,
+            format!("`{}` {}", error.field, error.message),
+        )
     }
 
     /// The first part that says something of the sky says all of it.
     fn add_environment(&mut self) -> Result<(), FileError> {
         for (part, content) in self.parts.iter().enumerate().rev() {
             let table = &content.document.environment;
-            if table.color.or(table.zenith).or(table.nadir).or(table.ambient).is_none() {
+            if table
+                .color
+                .or(table.zenith)
+                .or(table.nadir)
+                .or(table.ambient)
+                .is_none()
+            {
                 continue;
             }
-            let spot = Spot { part, table: "environment", index: None };
+            let spot = Spot {
+                part,
+                table: "environment",
+                index: None,
+            };
             if table.color.is_some() && table.zenith.or(table.nadir).is_some() {
                 let message = "`color` stands for `zenith` and `nadir`; expected either it or them";
                 return Err(self.fault(spot, &["color"], message));
             }
-            let color = |own: Option<super::values::Color>| own.or(table.color).map_or(Vec3::ZERO, Vec3::from);
+            let color = |own: Option<super::values::Color>| {
+                own.or(table.color).map_or(Vec3::ZERO, Vec3::from)
+            };
             self.scene.environment = Environment {
                 zenith: color(table.zenith),
                 nadir: color(table.nadir),
@@ -140,7 +183,12 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn add_shapes(&mut self, part: usize, table: &'static str, shapes: &[impl Shape]) -> Result<(), FileError> {
+    fn add_shapes(
+        &mut self,
+        part: usize,
+        table: &'static str,
+        shapes: &[impl Shape],
+    ) -> Result<(), FileError> {
         for (i, shape) in shapes.iter().enumerate() {
             let spot = Spot::new(part, table, i);
             let common = shape.common();
@@ -150,9 +198,15 @@ impl Builder<'_> {
             self.add_origin(Element::Instance(self.scene.instances.len()), spot);
             self.scene.surfaces.push(shape.surface());
             self.scene.instances.push(Instance {
-                name: common.name.clone().unwrap_or_else(|| format!("{table} {i}")),
+                name: common
+                    .name
+                    .clone()
+                    .unwrap_or_else(|| format!("{table} {i}")),
                 geometry: Geometry::Surface(id),
-                transform: common.transform.as_ref().map_or(Affine3A::IDENTITY, |t| t.to_affine()),
+                transform: common
+                    .transform
+                    .as_ref()
+                    .map_or(Affine3A::IDENTITY, |t| t.to_affine()),
                 material,
                 inside_out: common.inside_out.unwrap_or(false),
             });
@@ -183,26 +237,44 @@ impl Builder<'_> {
         let up = table.up.map_or(Vec3::Y, Vec3::from);
         for (field, v) in [("eye", eye), ("look_at", target), ("up", up)] {
             if !v.is_finite() {
-                return Err(self.fault(spot, &[field], format!("`{field}` is {v}; must be finite")));
+                return Err(self.fault(
+                    spot,
+                    &[field],
+                    format!("`{field}` is {v}; must be finite"),
+                ));
             }
         }
         let view = (target - eye).normalize_or_zero();
         if view == Vec3::ZERO {
-            let message = format!("`look_at` is the same point as `eye`, {eye}; the camera needs a direction");
+            let message = format!(
+                "`look_at` is the same point as `eye`, {eye}; the camera needs a direction"
+            );
             return Err(self.fault(spot, &["look_at"], message));
         }
         if up.normalize_or_zero().cross(view).length() < 1e-6 {
-            let message = format!("`up` is {up}, zero or parallel to the view; expected another direction");
+            let message =
+                format!("`up` is {up}, zero or parallel to the view; expected another direction");
             return Err(self.fault(spot, &["up", "look_at"], message));
         }
         if table.fov.is_some() && table.height.is_some() {
             let message = "`fov` and `height` exclude each other; expected one of them";
             return Err(self.fault(spot, &["height"], message));
         }
-        let name = table.name.clone().unwrap_or_else(|| format!("camera {}", spot.index.unwrap_or(0)));
-        let mut camera = Camera::look_at(&name, eye, target, up, table.fov.unwrap_or(45.0).to_radians());
+        let name = table
+            .name
+            .clone()
+            .unwrap_or_else(|| format!("camera {}", spot.index.unwrap_or(0)));
+        let mut camera = Camera::look_at(
+            &name,
+            eye,
+            target,
+            up,
+            table.fov.unwrap_or(45.0).to_radians(),
+        );
         if let Some(height) = table.height {
-            camera.projection = Projection::Orthographic { half_height: 0.5 * height };
+            camera.projection = Projection::Orthographic {
+                half_height: 0.5 * height,
+            };
             // The view-projection matrix of a parallel camera needs a far plane.
             camera.far = 1000.0 * (target - eye).length();
         }
@@ -220,7 +292,10 @@ impl Builder<'_> {
                 self.add_light(spot, light);
             }
             for (i, table) in content.document.directional_light.iter().enumerate() {
-                self.add_light(Spot::new(part, "directional_light", i), directional_light(table, i));
+                self.add_light(
+                    Spot::new(part, "directional_light", i),
+                    directional_light(table, i),
+                );
             }
         }
         Ok(())
@@ -242,7 +317,10 @@ impl Builder<'_> {
             }
         };
         Ok(Light::Spot(SpotLight {
-            name: table.name.clone().unwrap_or_else(|| format!("spot_light {i}")),
+            name: table
+                .name
+                .clone()
+                .unwrap_or_else(|| format!("spot_light {i}")),
             position,
             direction: direction.normalize_or_zero(),
             intensity: table.intensity.into(),
@@ -255,7 +333,10 @@ impl Builder<'_> {
 
 fn point_light(table: &PointLightTable, i: usize) -> Light {
     Light::Point(PointLight {
-        name: table.name.clone().unwrap_or_else(|| format!("point_light {i}")),
+        name: table
+            .name
+            .clone()
+            .unwrap_or_else(|| format!("point_light {i}")),
         position: table.position.into(),
         intensity: table.intensity.into(),
         range: table.range.unwrap_or(f32::INFINITY),
@@ -264,7 +345,10 @@ fn point_light(table: &PointLightTable, i: usize) -> Light {
 
 fn directional_light(table: &DirectionalLightTable, i: usize) -> Light {
     Light::Directional(DirectionalLight {
-        name: table.name.clone().unwrap_or_else(|| format!("directional_light {i}")),
+        name: table
+            .name
+            .clone()
+            .unwrap_or_else(|| format!("directional_light {i}")),
         direction: Vec3::from(table.direction).normalize_or_zero(),
         illuminance: table.illuminance.into(),
     })

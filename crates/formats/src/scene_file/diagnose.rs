@@ -1,16 +1,25 @@
 //! From the parser's words to ours: what is wrong, and what was expected.
 
 use super::source::{Fault, Source, Step};
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
 
 /// The nearest of `names` to `name`, when it is near enough to be a typing error.
 pub(super) fn nearest<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let distance = |candidate: &str| strsim::damerau_levenshtein(name, candidate);
-    let (best, score) = names.into_iter().map(|n| (n, distance(n))).min_by_key(|&(_, d)| d)?;
+    let (best, score) = names
+        .into_iter()
+        .map(|n| (n, distance(n)))
+        .min_by_key(|&(_, d)| d)?;
     (score <= 1 + name.chars().count().min(best.chars().count()) / 4).then_some(best)
 }
 
 /// `did you mean X?`, or the list of what there is.
-pub(super) fn hint<'a>(name: &str, names: impl IntoIterator<Item = &'a str> + Clone, none: &str) -> String {
+pub(super) fn hint<'a>(
+    name: &str,
+    names: impl IntoIterator<Item = &'a str> + Clone,
+    none: &str,
+) -> String {
     // A name as long as a file would make the search and the line as long.
     if name.len() <= 100
         && let Some(best) = nearest(name, names.clone())
@@ -26,9 +35,83 @@ pub(super) fn hint<'a>(name: &str, names: impl IntoIterator<Item = &'a str> + Cl
 }
 
 /// The fault behind an error of the TOML parser.
-pub(super) fn syntax_fault(error: &toml::de::Error) -> Fault {
+pub(super) fn syntax_fault(error: &toml::de::Error, source: &Source) -> Fault {
+    let span = error.span().unwrap_or(0..0);
     let message = error.message().lines().collect::<Vec<_>>().join("; ");
-    Fault::new(error.span().unwrap_or(0..0), message)
+    if message.contains("array elements") || message.starts_with("unclosed array, ") {
+        return unclosed_fault(&source.text, span.start).unwrap_or(Fault::new(span, message));
+    }
+    let message = match message.as_str() {
+        "duplicate key" => format!(
+            "second `{}` in the same table",
+            source.text.get(span.clone()).unwrap_or_default()
+        ),
+        "invalid float, expected nothing" => "not a number; expected one like 1.5".to_owned(),
+        _ => message.replacen(", expected ", "; expected ", 1),
+    };
+    Fault::new(span, message)
+}
+
+/// Points at the last bracket that is open at `end` when it stands in an earlier line: its end was
+/// forgotten there.
+fn unclosed_fault(text: &str, end: usize) -> Option<Fault> {
+    let mut depth = 0;
+    let before = text.get(..end)?;
+    let open = before.char_indices().rev().find(|&(_, c)| {
+        depth += match c {
+            ']' => 1,
+            '[' => -1,
+            _ => 0,
+        };
+        depth < 0
+    });
+    let (open, _) = open?;
+    let lines = before[open..].matches('\n').count();
+    (lines > 0 || end >= text.trim_end().len())
+        .then(|| Fault::new(open..open + 1, "`[` is not closed; expected `]`"))
+}
+
+/// Refuses arrays where tables belong: deserialisation would take their elements for the fields in order.
+pub(super) fn check_tables(root: &DeTable<'_>) -> Result<(), Fault> {
+    for (key, value) in root.iter() {
+        let name = key.get_ref().as_ref();
+        match value.get_ref() {
+            DeValue::Array(_) if matches!(name, "render" | "environment") => {
+                let message = format!("`{name}` is an array; expected one table, [{name}]");
+                return Err(Fault::new(key.span(), message));
+            }
+            DeValue::Array(items) if name != "include" => {
+                items.iter().try_for_each(|item| check_item(name, item))?
+            }
+            DeValue::Table(table) => check_fields(table)?,
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+fn check_item(name: &str, item: &Spanned<DeValue<'_>>) -> Result<(), Fault> {
+    match item.get_ref() {
+        DeValue::Table(table) => check_fields(table),
+        _ => {
+            let message = format!("`{name}` holds something else than tables; expected [[{name}]]");
+            Err(Fault::new(item.span(), message))
+        }
+    }
+}
+
+fn check_fields(table: &DeTable<'_>) -> Result<(), Fault> {
+    for (key, value) in table.iter() {
+        let name = key.get_ref().as_ref();
+        if matches!(name, "transform" | "adaptive") && !value.get_ref().is_table() {
+            let message = format!(
+                "`{name}` is of type {}; expected a table, {{ … }}",
+                value.get_ref().type_str()
+            );
+            return Err(Fault::new(value.span(), message));
+        }
+    }
+    Ok(())
 }
 
 /// The fault behind an error of deserialisation.
@@ -42,8 +125,15 @@ fn reword(message: &str, path: &[Step]) -> String {
     let quoted: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let first = quoted.first().copied().unwrap_or_default();
     if message.starts_with("unknown field") {
-        let list = hint(first, quoted.iter().skip(1).copied(), "no key is expected here");
-        return format!("unknown key `{first}`{}; {list}", place(path.get(..path.len().saturating_sub(1))));
+        let list = hint(
+            first,
+            quoted.iter().skip(1).copied(),
+            "no key is expected here",
+        );
+        return format!(
+            "unknown key `{first}`{}; {list}",
+            place(path.get(..path.len().saturating_sub(1)))
+        );
     }
     if message.starts_with("missing field") {
         return format!("missing key `{first}`{}", place(Some(path)));
@@ -52,11 +142,33 @@ fn reword(message: &str, path: &[Step]) -> String {
         let list = hint(first, quoted.iter().skip(1).copied(), "");
         return format!("unknown value \"{first}\"{}; {list}", of_key(path));
     }
-    if let Some((found, expected)) = message.strip_prefix("invalid type: ").and_then(split_expected) {
-        return format!("{}is {}; expected {}", subject(path), found_words(found), expected_words(expected));
+    if let Some((found, expected)) = message
+        .strip_prefix("invalid type: ")
+        .and_then(split_expected)
+    {
+        if key(path) == Some("include") {
+            return format!(
+                "`include` holds {}; expected an array of names, [\"other.toml\"]",
+                found_words(found)
+            );
+        }
+        return format!(
+            "{}is {}; expected {}",
+            subject(path),
+            found_words(found),
+            expected_words(expected)
+        );
     }
-    if let Some((found, expected)) = message.strip_prefix("invalid value: ").and_then(split_expected) {
-        return format!("{}is {}; expected {}", subject(path), found_words(found), expected_words(expected));
+    if let Some((found, expected)) = message
+        .strip_prefix("invalid value: ")
+        .and_then(split_expected)
+    {
+        return format!(
+            "{}is {}; expected {}",
+            subject(path),
+            found_words(found),
+            expected_words(expected)
+        );
     }
     format!("{}{message}", subject(path).replace("` ", "`: "))
 }

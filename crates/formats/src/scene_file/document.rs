@@ -1,8 +1,11 @@
 //! What may stand in a scene file. The doc comments become the descriptions in the JSON Schema.
 
-use super::shapes::{BoxTable, ConeTable, CylinderTable, DiskTable, PlaneTable, RectangleTable, SphereTable, TorusTable};
-use super::values::{Color, Resolution, TextureUse, Vec3};
 use super::shapes::TransformTable;
+use super::shapes::{
+    BoxTable, ConeTable, CylinderTable, DiskTable, PlaneTable, RectangleTable, SphereTable,
+    TorusTable,
+};
+use super::values::{Color, Resolution, TextureUse, Vec3};
 use schemars::JsonSchema;
 use serde::Deserialize;
 

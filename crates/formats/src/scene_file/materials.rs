@@ -2,13 +2,16 @@
 
 use super::convert::{Builder, Spot};
 use super::diagnose::hint;
-use super::document::{AlphaModeName, EncodingName, FilterName, ImageTable, MaterialTable, WrapName};
+use super::document::{
+    AlphaModeName, EncodingName, FilterName, ImageTable, MaterialTable, WrapName,
+};
 use super::values::TextureUse;
 use crate::folder::{NameSyntax, resolve};
 use crate::{FileError, load_texture};
 use umbriel_render::kernels::glam::{Affine2, Vec2, Vec3};
 use umbriel_render::{
-    AlphaMode, Checker, Element, Encoding, Filter, Material, MaterialId, Texture, TextureId, TextureRef, Wrap,
+    AlphaMode, Checker, Element, Encoding, Filter, Material, MaterialId, Texture, TextureId,
+    TextureRef, Wrap,
 };
 
 impl Builder<'_> {
@@ -16,12 +19,18 @@ impl Builder<'_> {
     pub(super) fn add_textures(&mut self) -> Result<(), FileError> {
         for (part, content) in self.parts.iter().enumerate() {
             for (i, table) in content.document.checker.iter().enumerate() {
-                let color = |c: Option<super::values::Color>, other: Vec3| c.map_or(other, Vec3::from).extend(1.0);
+                let color = |c: Option<super::values::Color>, other: Vec3| {
+                    c.map_or(other, Vec3::from).extend(1.0)
+                };
                 let checker = Checker {
                     even: color(table.even, Vec3::ONE),
                     odd: color(table.odd, Vec3::ZERO),
                 };
-                self.add_texture(Spot::new(part, "checker", i), &table.name, Texture::Checker(checker))?;
+                self.add_texture(
+                    Spot::new(part, "checker", i),
+                    &table.name,
+                    Texture::Checker(checker),
+                )?;
             }
             for (i, table) in content.document.image.iter().enumerate() {
                 let spot = Spot::new(part, "image", i);
@@ -44,7 +53,8 @@ impl Builder<'_> {
 
     fn read_image(&self, spot: Spot, table: &ImageTable) -> Result<Texture, FileError> {
         let base = &self.parts[spot.part].source.path;
-        let path = resolve(base, &table.file, NameSyntax::Plain).map_err(|e| self.fault(spot, &["file"], e.message()))?;
+        let path = resolve(base, &table.file, NameSyntax::Plain)
+            .map_err(|e| self.fault(spot, &["file"], e.message()))?;
         let bytes = std::fs::read(&path).map_err(|e| FileError::io(&path, &e))?;
         let mut image = load_texture(&path, &bytes)?;
         image.name.clone_from(&table.name);
@@ -92,7 +102,10 @@ impl Builder<'_> {
             base_color_texture: texture("base_color_texture", &table.base_color_texture)?,
             metallic: table.metallic.unwrap_or(base.metallic),
             roughness: table.roughness.unwrap_or(base.roughness),
-            metallic_roughness_texture: texture("metallic_roughness_texture", &table.metallic_roughness_texture)?,
+            metallic_roughness_texture: texture(
+                "metallic_roughness_texture",
+                &table.metallic_roughness_texture,
+            )?,
             normal_texture: texture("normal_texture", &table.normal_texture)?,
             normal_scale: table.normal_scale.unwrap_or(base.normal_scale),
             emission: table.emission.map_or(base.emission, Vec3::from),
@@ -101,8 +114,12 @@ impl Builder<'_> {
             transmission_texture: texture("transmission_texture", &table.transmission_texture)?,
             ior: table.ior.unwrap_or(base.ior),
             thin_walled: table.thin_walled.unwrap_or(base.thin_walled),
-            attenuation_color: table.attenuation_color.map_or(base.attenuation_color, Vec3::from),
-            attenuation_distance: table.attenuation_distance.unwrap_or(base.attenuation_distance),
+            attenuation_color: table
+                .attenuation_color
+                .map_or(base.attenuation_color, Vec3::from),
+            attenuation_distance: table
+                .attenuation_distance
+                .unwrap_or(base.attenuation_distance),
             alpha_mode: self.alpha_mode(spot, table)?,
             double_sided: table.double_sided.unwrap_or(base.double_sided),
             unlit: table.unlit.unwrap_or(base.unlit),
@@ -111,7 +128,9 @@ impl Builder<'_> {
 
     fn alpha_mode(&self, spot: Spot, table: &MaterialTable) -> Result<AlphaMode, FileError> {
         match (table.alpha_mode, table.alpha_cutoff) {
-            (Some(AlphaModeName::Mask), cutoff) => Ok(AlphaMode::Mask { cutoff: cutoff.unwrap_or(0.5) }),
+            (Some(AlphaModeName::Mask), cutoff) => Ok(AlphaMode::Mask {
+                cutoff: cutoff.unwrap_or(0.5),
+            }),
             (_, Some(_)) => {
                 let message = "`alpha_cutoff` has no effect without alpha_mode = \"mask\"";
                 Err(self.fault(spot, &["alpha_cutoff"], message))
@@ -121,14 +140,27 @@ impl Builder<'_> {
         }
     }
 
-    fn texture_ref(&self, spot: Spot, field: &str, used: &Option<TextureUse>) -> Result<Option<TextureRef>, FileError> {
+    fn texture_ref(
+        &self,
+        spot: Spot,
+        field: &str,
+        used: &Option<TextureUse>,
+    ) -> Result<Option<TextureRef>, FileError> {
         let Some(TextureUse(table)) = used else {
             return Ok(None);
         };
         let Some(&(texture, _)) = self.textures.get(&table.texture) else {
             let names = self.textures.keys().map(String::as_str);
-            let list = hint(&table.texture, names, "the scene has no [[checker]] and no [[image]]");
-            return Err(self.fault(spot, &[field], format!("no texture \"{}\"; {list}", table.texture)));
+            let list = hint(
+                &table.texture,
+                names,
+                "the scene has no [[checker]] and no [[image]]",
+            );
+            return Err(self.fault(
+                spot,
+                &[field],
+                format!("no texture \"{}\"; {list}", table.texture),
+            ));
         };
         let scale = table.scale.map_or(Vec2::ONE, |s| s.0.into());
         let offset = table.offset.map_or(Vec2::ZERO, |v| v.0.into());
@@ -142,14 +174,22 @@ impl Builder<'_> {
     }
 
     /// The material of a name; the default one where no name is written.
-    pub(super) fn material_id(&mut self, spot: Spot, name: &Option<String>) -> Result<MaterialId, FileError> {
+    pub(super) fn material_id(
+        &mut self,
+        spot: Spot,
+        name: &Option<String>,
+    ) -> Result<MaterialId, FileError> {
         let Some(name) = name else {
             return Ok(self.default_material());
         };
         self.materials.get(name).map(|&(id, _)| id).ok_or_else(|| {
             let names = self.materials.keys().map(String::as_str);
             let list = hint(name, names, "the scene has no [[material]]");
-            self.fault(spot, &["material"], format!("no material \"{name}\"; {list}"))
+            self.fault(
+                spot,
+                &["material"],
+                format!("no material \"{name}\"; {list}"),
+            )
         })
     }
 
@@ -158,7 +198,10 @@ impl Builder<'_> {
             return id;
         }
         let id = MaterialId(self.scene.materials.len() as u32);
-        self.scene.materials.push(Material { name: "default".to_owned(), ..Material::default() });
+        self.scene.materials.push(Material {
+            name: "default".to_owned(),
+            ..Material::default()
+        });
         self.white = Some(id);
         id
     }

@@ -4,7 +4,9 @@ use super::convert::{Builder, Spot};
 use crate::folder::{NameSyntax, resolve};
 use crate::{FileError, import_model};
 use umbriel_render::kernels::glam::{Affine3A, Vec3, Vec3A};
-use umbriel_render::{Camera, Element, Geometry, Light, Material, MaterialId, MeshId, Scene, SurfaceId, TextureId};
+use umbriel_render::{
+    Camera, Element, Geometry, Light, Material, MaterialId, MeshId, Scene, SurfaceId, TextureId,
+};
 
 impl Builder<'_> {
     /// Adds the files of all `[[mesh]]` and `[[model]]` tables.
@@ -40,9 +42,13 @@ impl Builder<'_> {
 
     fn read_model(&mut self, spot: Spot, file: &str) -> Result<Scene, FileError> {
         let base = &self.parts[spot.part].source.path;
-        let path = resolve(base, file, NameSyntax::Plain).map_err(|e| self.fault(spot, &["file"], e.message()))?;
-        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
-            let message = "is a scene file; expected a model. Scene files are included with include = [\"…\"]";
+        let path = resolve(base, file, NameSyntax::Plain)
+            .map_err(|e| self.fault(spot, &["file"], e.message()))?;
+        if path
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+        {
+            let message = "`file` is a scene file; expected a model; scene files are included with include = [\"…\"]";
             return Err(self.fault(spot, &["file"], message));
         }
         import_model(&path, self.report)
@@ -82,16 +88,34 @@ impl Builder<'_> {
         }
         self.take(spot, other.meshes, |s| &mut s.meshes, Element::Mesh);
         self.take(spot, other.surfaces, |s| &mut s.surfaces, Element::Surface);
-        let materials = other.materials.into_iter().map(|m| shift_textures(m, base[3])).collect();
+        let materials = other
+            .materials
+            .into_iter()
+            .map(|m| shift_textures(m, base[3]))
+            .collect();
         self.take(spot, materials, |s| &mut s.materials, Element::Material);
         self.take(spot, other.textures, |s| &mut s.textures, Element::Texture);
-        let lights = other.lights.into_iter().map(|light| move_light(light, &transform)).collect();
+        let lights = other
+            .lights
+            .into_iter()
+            .map(|light| move_light(light, &transform))
+            .collect();
         self.take(spot, lights, |s| &mut s.lights, Element::Light);
-        let cameras = other.cameras.into_iter().map(|camera| move_camera(camera, &transform)).collect();
+        let cameras = other
+            .cameras
+            .into_iter()
+            .map(|camera| move_camera(camera, &transform))
+            .collect();
         self.take(spot, cameras, |s| &mut s.cameras, Element::Camera);
     }
 
-    fn take<T>(&mut self, spot: Spot, items: Vec<T>, field: fn(&mut Scene) -> &mut Vec<T>, element: fn(usize) -> Element) {
+    fn take<T>(
+        &mut self,
+        spot: Spot,
+        items: Vec<T>,
+        field: fn(&mut Scene) -> &mut Vec<T>,
+        element: fn(usize) -> Element,
+    ) {
         for item in items {
             let index = field(&mut self.scene).len();
             self.add_origin(element(index), spot);

@@ -46,15 +46,28 @@ pub struct Loaded {
 /// The first fault of the file, at its line for TOML, or at the override that made it.
 pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Loaded, FileError> {
     let mut report = Report::default();
-    let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
+    let is_toml = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     let (scene, settings) = match is_toml {
         true => load_toml(path, options, &mut report)?,
-        false => (load_model(path, options, &mut report)?, SceneSettings::default()),
+        false => (
+            load_model(path, options, &mut report)?,
+            SceneSettings::default(),
+        ),
     };
-    Ok(Loaded { scene, settings, report })
+    Ok(Loaded {
+        scene,
+        settings,
+        report,
+    })
 }
 
-fn load_toml(path: &Path, options: &LoadOptions, report: &mut Report) -> Result<(Scene, SceneSettings), FileError> {
+fn load_toml(
+    path: &Path,
+    options: &LoadOptions,
+    report: &mut Report,
+) -> Result<(Scene, SceneSettings), FileError> {
     let parts = include::read_parts(path, &options.overrides)?;
     let settings = settings::read_settings(&parts)?;
     let mut scene = convert::build_scene(&parts, report)?;
@@ -72,9 +85,9 @@ fn load_model(path: &Path, options: &LoadOptions, report: &mut Report) -> Result
     }
     let mut scene = import_model(path, report)?;
     complete_scene(&mut scene, report);
-    scene
-        .validate()
-        .map_err(|error| FileError::input(path, Place::File, format!("{:?}: {error}", error.element)))?;
+    scene.validate().map_err(|error| {
+        FileError::input(path, Place::File, format!("{:?}: {error}", error.element))
+    })?;
     Ok(scene)
 }
 

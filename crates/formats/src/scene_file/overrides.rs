@@ -15,7 +15,10 @@ pub(super) fn apply_overrides<'a>(source: &'a Source, root: &mut DeTable<'a>) ->
         let fault = |message: String| Fault::new(span.clone(), message);
         let path: Vec<&str> = key.split('.').map(str::trim).collect();
         if path.iter().any(|step| step.is_empty()) {
-            return Err(fault("is no path; expected names with dots between them, as in sphere.0.radius".to_owned()));
+            return Err(fault(
+                "is no path; expected names with dots between them, as in sphere.0.radius"
+                    .to_owned(),
+            ));
         }
         let new = Spanned::new(span.clone(), parse_value(value, &span));
         set_in_table(root, &path, new, &span).map_err(fault)?;
@@ -46,7 +49,12 @@ fn stamp<'a>(value: DeValue<'a>, span: &Range<usize>) -> DeValue<'a> {
     }
 }
 
-fn set_in_table<'a>(table: &mut DeTable<'a>, path: &[&'a str], new: Spanned<DeValue<'a>>, span: &Range<usize>) -> Result<(), String> {
+fn set_in_table<'a>(
+    table: &mut DeTable<'a>,
+    path: &[&'a str],
+    new: Spanned<DeValue<'a>>,
+    span: &Range<usize>,
+) -> Result<(), String> {
     let Some((&step, rest)) = path.split_first() else {
         return Ok(());
     };
@@ -60,7 +68,10 @@ fn set_in_table<'a>(table: &mut DeTable<'a>, path: &[&'a str], new: Spanned<DeVa
         // Tables that need not be written may be made by an override; arrays of things have no element to set.
         if !matches!(step, "render" | "environment" | "transform" | "adaptive") {
             let names: Vec<&str> = table.keys().map(|k| k.get_ref().as_ref()).collect();
-            return Err(format!("no `{step}` in the scene; {}", hint(step, names, "the file is empty")));
+            return Err(format!(
+                "no `{step}` in the scene; {}",
+                hint(step, names, "the file is empty")
+            ));
         }
         let empty = Spanned::new(span.clone(), DeValue::Table(DeTable::new()));
         table.insert(Spanned::new(span.clone(), step.into()), empty);
@@ -71,7 +82,13 @@ fn set_in_table<'a>(table: &mut DeTable<'a>, path: &[&'a str], new: Spanned<DeVa
     set_in_value(step, next.get_mut(), rest, new, span)
 }
 
-fn set_in_value<'a>(name: &str, value: &mut DeValue<'a>, path: &[&'a str], new: Spanned<DeValue<'a>>, span: &Range<usize>) -> Result<(), String> {
+fn set_in_value<'a>(
+    name: &str,
+    value: &mut DeValue<'a>,
+    path: &[&'a str],
+    new: Spanned<DeValue<'a>>,
+    span: &Range<usize>,
+) -> Result<(), String> {
     match value {
         DeValue::Table(table) => set_in_table(table, path, new, span),
         DeValue::Array(array) => {
@@ -89,7 +106,9 @@ fn set_in_value<'a>(name: &str, value: &mut DeValue<'a>, path: &[&'a str], new: 
 
 /// An element by its position, counted from 0, or by its name.
 fn find_element(array: &[Spanned<DeValue<'_>>], step: &str) -> Option<usize> {
-    let by_name = array.iter().position(|item| element_name(item) == Some(step));
+    let by_name = array
+        .iter()
+        .position(|item| element_name(item) == Some(step));
     by_name.or_else(|| step.parse().ok().filter(|&i: &usize| i < array.len()))
 }
 
@@ -99,12 +118,11 @@ fn element_name<'a>(item: &'a Spanned<DeValue<'_>>) -> Option<&'a str> {
 
 fn no_element(name: &str, array: &[Spanned<DeValue<'_>>], step: &str) -> String {
     let names: Vec<&str> = array.iter().filter_map(element_name).collect();
-    let range = match array.len() {
+    let is_position = step.bytes().all(|b| b.is_ascii_digit());
+    let list = match array.len() {
         0 => "there is none".to_owned(),
-        n => format!("expected 0 to {}", n - 1),
+        n if is_position || names.is_empty() => format!("expected 0 to {}", n - 1),
+        _ => hint(step, names, ""),
     };
-    match names.is_empty() {
-        true => format!("no `{name}` `{step}`; {range}"),
-        false => format!("no `{name}` `{step}`; {}", hint(step, names, "")),
-    }
+    format!("no `{name}` `{step}`; {list}")
 }

@@ -38,7 +38,8 @@ const MAX_PIXELS: i64 = 1 << 30;
 pub(super) fn read_settings(parts: &[Part]) -> Result<SceneSettings, FileError> {
     let mut merged = SceneSettings::default();
     for part in parts {
-        let one = read_table(&part.document.render, &part.source).map_err(|fault| part.source.error(fault))?;
+        let one = read_table(&part.document.render, &part.source)
+            .map_err(|fault| part.source.error(fault))?;
         merged = SceneSettings {
             method: merged.method.or(one.method),
             resolution: merged.resolution.or(one.resolution),
@@ -59,7 +60,10 @@ fn read_table(table: &RenderTable, source: &Source) -> Result<SceneSettings, Fau
     if let Some(stops) = table.exposure
         && !(stops.abs() <= 100.0)
     {
-        return Err(Fault::new(at("exposure"), format!("`exposure` is {stops}; must be from -100 to 100 stops")));
+        return Err(Fault::new(
+            at("exposure"),
+            format!("`exposure` is {stops}; must be from -100 to 100 stops"),
+        ));
     }
     Ok(SceneSettings {
         method: table.method.map(|name| match name {
@@ -85,7 +89,10 @@ fn read_table(table: &RenderTable, source: &Source) -> Result<SceneSettings, Fau
     })
 }
 
-fn resolution(table: &RenderTable, span: std::ops::Range<usize>) -> Result<Option<[u32; 2]>, Fault> {
+fn resolution(
+    table: &RenderTable,
+    span: std::ops::Range<usize>,
+) -> Result<Option<[u32; 2]>, Fault> {
     let Some([width, height]) = table.resolution.map(|r| r.0) else {
         return Ok(None);
     };
@@ -107,15 +114,19 @@ fn resolution(table: &RenderTable, span: std::ops::Range<usize>) -> Result<Optio
     Ok(Some([width as u32, height as u32]))
 }
 
-fn sampling(table: &RenderTable, at: &impl Fn(&str) -> std::ops::Range<usize>) -> Result<Option<Sampling>, Fault> {
+fn sampling(
+    table: &RenderTable,
+    at: &impl Fn(&str) -> std::ops::Range<usize>,
+) -> Result<Option<Sampling>, Fault> {
     match (table.spp, &table.adaptive) {
         (Some(_), Some(_)) => {
             let message = "`spp` and `adaptive` exclude each other; expected one of them";
             Err(Fault::new(at("adaptive"), message))
         }
-        (Some(spp), None) if !(1..=65_536).contains(&spp) => {
-            Err(Fault::new(at("spp"), format!("`spp` is {spp}; must be from 1 to 65536")))
-        }
+        (Some(spp), None) if !(1..=65_536).contains(&spp) => Err(Fault::new(
+            at("spp"),
+            format!("`spp` is {spp}; must be from 1 to 65536"),
+        )),
         (Some(spp), None) => Ok(Some(Sampling::Fixed { spp })),
         (None, Some(table)) => {
             let (threshold, levels) = (table.threshold, table.levels);

@@ -4,7 +4,9 @@ use super::values::{Scale, Vec3};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use umbriel_render::kernels::glam::{Affine3A, EulerRot, Quat, Vec3 as Vector};
-use umbriel_render::kernels::{Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Sphere, Surface, Torus};
+use umbriel_render::kernels::{
+    Cone, Cuboid, Cylinder, Disk, Plane, Rectangle, Sphere, Surface, Torus,
+};
 
 /// Where something stands: first scaled, then rotated, then moved.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]

@@ -69,7 +69,10 @@ impl Source {
             });
         }
         if meta.len() > MAX_BYTES {
-            let message = format!("has {} bytes; a scene file may have at most {MAX_BYTES}", meta.len());
+            let message = format!(
+                "has {} bytes; a scene file may have at most {MAX_BYTES}",
+                meta.len()
+            );
             return Err(FileError::limit(path, Place::File, message));
         }
         let mut bytes = std::fs::read(path).map_err(io)?;
@@ -78,7 +81,11 @@ impl Source {
         }
         let text = String::from_utf8(bytes).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
-            FileError::input(path, Place::Byte(at as u64), "is not UTF-8 text; expected a scene in TOML")
+            FileError::input(
+                path,
+                Place::Byte(at as u64),
+                "is not UTF-8 text; expected a scene in TOML",
+            )
         })?;
         Ok(Self {
             path: path.to_owned(),
@@ -117,7 +124,10 @@ impl Source {
         let byte = floor_char(&self.text, byte);
         let before = &self.text[..byte];
         let start = before.rfind('\n').map_or(0, |i| i + 1);
-        (before.matches('\n').count() + 1, before[start..].chars().count() + 1)
+        (
+            before.matches('\n').count() + 1,
+            before[start..].chars().count() + 1,
+        )
     }
 
     /// The source line of a span with carets below it, cut to a window around the span.
@@ -125,18 +135,31 @@ impl Source {
         let (line, column) = self.line_column(span.start);
         let at = floor_char(&self.text, span.start);
         let start = self.text[..at].rfind('\n').map_or(0, |i| i + 1);
-        let source = self.text[start..].split('\n').next().unwrap_or_default().trim_end_matches('\r');
+        let source = self.text[start..]
+            .split('\n')
+            .next()
+            .unwrap_or_default()
+            .trim_end_matches('\r');
         let skip = column.saturating_sub(SNIPPET_WIDTH / 2);
         let shown: Vec<char> = source.chars().skip(skip).take(SNIPPET_WIDTH).collect();
         // Tabs and control characters have no width of their own that carets could follow.
-        let shown: String = shown.into_iter().map(|c| if c.is_control() { ' ' } else { c }).collect();
-        let end = floor_char(&self.text, span.end.clamp(at, start + source.len().max(at - start)));
+        let shown: String = shown
+            .into_iter()
+            .map(|c| if c.is_control() { ' ' } else { c })
+            .collect();
+        let end = floor_char(
+            &self.text,
+            span.end.clamp(at, start + source.len().max(at - start)),
+        );
         let width = self.text[at..end.max(at)].chars().count();
         let left = column - 1 - skip.min(column - 1);
         let carets = "^".repeat(width.clamp(1, SNIPPET_WIDTH.saturating_sub(left).max(1)));
         let number = line.to_string();
         let margin = " ".repeat(number.len());
-        format!("{number} | {shown}\n{margin} | {}{carets}", " ".repeat(left))
+        format!(
+            "{number} | {shown}\n{margin} | {}{carets}",
+            " ".repeat(left)
+        )
     }
 
     /// The entry at a path.
@@ -146,16 +169,28 @@ impl Source {
 
     /// The deepest entry whose key or value is, or else contains, `span`.
     pub(super) fn entry_at(&self, span: &Range<usize>) -> Option<&Entry> {
-        let exact = self.entries.iter().rev().find(|e| e.key == *span || e.value == *span);
+        let exact = self
+            .entries
+            .iter()
+            .rev()
+            .find(|e| e.key == *span || e.value == *span);
         exact.or_else(|| {
             let holds = |range: &Range<usize>| range.start <= span.start && span.end <= range.end;
-            let holding = self.entries.iter().filter(|e| holds(&e.key) || holds(&e.value));
+            let holding = self
+                .entries
+                .iter()
+                .filter(|e| holds(&e.key) || holds(&e.value));
             holding.max_by_key(|e| e.path.len())
         })
     }
 
     /// The value of `field` in a table, or the table's header where the field was not written.
-    pub(super) fn span_of(&self, table: &str, index: Option<usize>, fields: &[&str]) -> Range<usize> {
+    pub(super) fn span_of(
+        &self,
+        table: &str,
+        index: Option<usize>,
+        fields: &[&str],
+    ) -> Range<usize> {
         let mut path = vec![Step::Key(table.to_owned())];
         path.extend(index.map(Step::Index));
         let header = self.entry(&path).map_or(0..0, |entry| entry.value.clone());
@@ -195,7 +230,13 @@ fn list_table(table: &DeTable<'_>, path: &mut Vec<Step>, entries: &mut Vec<Entry
     }
 }
 
-fn list_value(value: &DeValue<'_>, key: Range<usize>, span: Range<usize>, path: &mut Vec<Step>, entries: &mut Vec<Entry>) {
+fn list_value(
+    value: &DeValue<'_>,
+    key: Range<usize>,
+    span: Range<usize>,
+    path: &mut Vec<Step>,
+    entries: &mut Vec<Entry>,
+) {
     entries.push(Entry {
         path: path.clone(),
         key,

@@ -5,7 +5,6 @@ use serde::{Deserialize, Deserializer, de};
 use std::fmt;
 use umbriel_render::kernels::glam;
 
-
 /// Reads `[a, b, …]`, or one number for all components where `grey` is set.
 struct Numbers<const N: usize> {
     grey: bool,
@@ -47,7 +46,9 @@ impl<'de, const N: usize> de::Visitor<'de> for Numbers<N> {
         if found == N {
             return Ok(result);
         }
-        Err(de::Error::custom(format!("expected {N} numbers, found {found}")))
+        Err(de::Error::custom(format!(
+            "expected {N} numbers, found {found}"
+        )))
     }
 }
 
@@ -93,7 +94,9 @@ macro_rules! read {
     ($name:ident, $n:literal, $grey:literal) => {
         impl<'de> Deserialize<'de> for $name {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                deserializer.deserialize_any(Numbers::<$n> { grey: $grey }).map(Self)
+                deserializer
+                    .deserialize_any(Numbers::<$n> { grey: $grey })
+                    .map(Self)
             }
         }
     };
