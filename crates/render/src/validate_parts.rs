@@ -6,8 +6,8 @@ use crate::validate::{
 };
 use crate::{AlphaMode, Camera, Light, Material, Mesh, Projection, Texture, TextureRef};
 use std::f32::consts::{FRAC_PI_2, PI};
-use umbriel_kernels::Surface;
 use umbriel_kernels::glam::{Vec2, Vec3, Vec4};
+use umbriel_kernels::{Cone, Cuboid, Rectangle, Surface, Torus};
 
 pub(crate) fn check_camera(camera: &Camera) -> Check {
     let m = &camera.pose.matrix3;
@@ -109,58 +109,63 @@ pub(crate) fn check_surface(surface: &Surface) -> Check {
             check_axis("normal", s.normal)?;
             check_positive("radius", s.radius)
         }
-        Surface::Rectangle(s) => {
-            check_finite("center", s.center)?;
-            check_axis("u", s.u)?;
-            check_axis("v", s.v)?;
-            let cosine = s.u.as_dvec3().normalize().dot(s.v.as_dvec3().normalize());
-            check(cosine.abs() < 1e-4, "v", s.v, "at a right angle to `u`")
-        }
-        Surface::Cuboid(s) => {
-            check_finite("min", s.min)?;
-            check_finite("max", s.max)?;
-            check(
-                s.max.cmpgt(s.min).all(),
-                "max",
-                s.max,
-                &format!("greater than `min`, {}, in every component", s.min),
-            )
-        }
+        Surface::Rectangle(s) => check_rectangle(s),
+        Surface::Cuboid(s) => check_cuboid(s),
         Surface::Cylinder(s) => {
             check_ends(s.a, s.b)?;
             check_positive("radius", s.radius)
         }
-        Surface::Cone(s) => {
-            check_ends(s.a, s.b)?;
-            for (field, r) in [("radius_a", s.radius_a), ("radius_b", s.radius_b)] {
-                check(
-                    r >= 0.0 && r.is_finite(),
-                    field,
-                    r,
-                    "0 or greater and finite",
-                )?;
-            }
-            check(
-                s.radius_a.max(s.radius_b) > 0.0,
-                "radius_a",
-                s.radius_a,
-                "greater than 0 where `radius_b` is 0",
-            )
-        }
-        Surface::Torus(s) => {
-            check_finite("center", s.center)?;
-            check_axis("axis", s.axis)?;
-            check_positive("major_radius", s.major_radius)?;
-            check_positive("minor_radius", s.minor_radius)?;
-            let expected = format!("at most `major_radius`, {}", s.major_radius);
-            check(
-                s.minor_radius <= s.major_radius,
-                "minor_radius",
-                s.minor_radius,
-                &expected,
-            )
-        }
+        Surface::Cone(s) => check_cone(s),
+        Surface::Torus(s) => check_torus(s),
     }
+}
+
+fn check_rectangle(s: &Rectangle) -> Check {
+    check_finite("center", s.center)?;
+    check_axis("u", s.u)?;
+    check_axis("v", s.v)?;
+    let cosine = s.u.as_dvec3().normalize().dot(s.v.as_dvec3().normalize());
+    check(cosine.abs() < 1e-4, "v", s.v, "at a right angle to `u`")
+}
+
+fn check_cuboid(s: &Cuboid) -> Check {
+    check_finite("min", s.min)?;
+    check_finite("max", s.max)?;
+    let expected = format!("greater than `min`, {}, in every component", s.min);
+    check(s.max.cmpgt(s.min).all(), "max", s.max, &expected)
+}
+
+fn check_cone(s: &Cone) -> Check {
+    check_ends(s.a, s.b)?;
+    for (field, r) in [("radius_a", s.radius_a), ("radius_b", s.radius_b)] {
+        check(
+            r >= 0.0 && r.is_finite(),
+            field,
+            r,
+            "0 or greater and finite",
+        )?;
+    }
+    let greatest = s.radius_a.max(s.radius_b);
+    check(
+        greatest > 0.0,
+        "radius_a",
+        s.radius_a,
+        "greater than 0 where `radius_b` is 0",
+    )
+}
+
+fn check_torus(s: &Torus) -> Check {
+    check_finite("center", s.center)?;
+    check_axis("axis", s.axis)?;
+    check_positive("major_radius", s.major_radius)?;
+    check_positive("minor_radius", s.minor_radius)?;
+    let expected = format!("at most `major_radius`, {}", s.major_radius);
+    check(
+        s.minor_radius <= s.major_radius,
+        "minor_radius",
+        s.minor_radius,
+        &expected,
+    )
 }
 
 /// The ends of an axis: finite and apart.

@@ -235,6 +235,30 @@ impl Builder<'_> {
     fn camera(&self, spot: Spot, table: &CameraTable) -> Result<Camera, FileError> {
         let (eye, target): (Vec3, Vec3) = (table.eye.into(), table.look_at.into());
         let up = table.up.map_or(Vec3::Y, Vec3::from);
+        self.check_view(spot, eye, target, up)?;
+        if table.fov.is_some() && table.height.is_some() {
+            let message = "`fov` and `height` exclude each other; expected one of them";
+            return Err(self.fault(spot, &["height"], message));
+        }
+        let number = spot.index.unwrap_or(0);
+        let name = table
+            .name
+            .clone()
+            .unwrap_or_else(|| format!("camera {number}"));
+        let fov = table.fov.unwrap_or(45.0).to_radians();
+        let mut camera = Camera::look_at(&name, eye, target, up, fov);
+        if let Some(height) = table.height {
+            camera.projection = Projection::Orthographic {
+                half_height: 0.5 * height,
+            };
+            // The view-projection matrix of a parallel camera needs a far plane.
+            camera.far = 1000.0 * (target - eye).length();
+        }
+        Ok(camera)
+    }
+
+    /// Refuses what [`Camera::look_at`] cannot make a pose of.
+    fn check_view(&self, spot: Spot, eye: Vec3, target: Vec3, up: Vec3) -> Result<(), FileError> {
         for (field, v) in [("eye", eye), ("look_at", target), ("up", up)] {
             if !v.is_finite() {
                 return Err(self.fault(
@@ -256,29 +280,7 @@ impl Builder<'_> {
                 format!("`up` is {up}, zero or parallel to the view; expected another direction");
             return Err(self.fault(spot, &["up", "look_at"], message));
         }
-        if table.fov.is_some() && table.height.is_some() {
-            let message = "`fov` and `height` exclude each other; expected one of them";
-            return Err(self.fault(spot, &["height"], message));
-        }
-        let name = table
-            .name
-            .clone()
-            .unwrap_or_else(|| format!("camera {}", spot.index.unwrap_or(0)));
-        let mut camera = Camera::look_at(
-            &name,
-            eye,
-            target,
-            up,
-            table.fov.unwrap_or(45.0).to_radians(),
-        );
-        if let Some(height) = table.height {
-            camera.projection = Projection::Orthographic {
-                half_height: 0.5 * height,
-            };
-            // The view-projection matrix of a parallel camera needs a far plane.
-            camera.far = 1000.0 * (target - eye).length();
-        }
-        Ok(camera)
+        Ok(())
     }
 
     fn add_lights(&mut self) -> Result<(), FileError> {

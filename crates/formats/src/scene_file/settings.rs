@@ -58,7 +58,7 @@ pub(super) fn read_settings(parts: &[Part]) -> Result<SceneSettings, FileError> 
 fn read_table(table: &RenderTable, source: &Source) -> Result<SceneSettings, Fault> {
     let at = |field: &str| source.span_of("render", None, &[field]);
     if let Some(stops) = table.exposure
-        && !(stops.abs() <= 100.0)
+        && !(-100.0..=100.0).contains(&stops)
     {
         return Err(Fault::new(
             at("exposure"),
