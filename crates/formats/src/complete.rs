@@ -3,7 +3,7 @@
 use crate::Report;
 use umbriel_kernels::{
     Aabb,
-    glam::{Affine3A, Vec3},
+    glam::Vec3,
 };
 use umbriel_render::{Camera, DirectionalLight, Geometry, Light, Scene};
 
@@ -11,6 +11,8 @@ use umbriel_render::{Camera, DirectionalLight, Geometry, Light, Scene};
 const FOV_DEGREES: f32 = 40.0;
 /// Width over height that the framed model fits into; wider pictures show more at the sides.
 const ASPECT: f32 = 4.0 / 3.0;
+/// The picture over the model in it.
+const MARGIN: f32 = 1.12;
 /// A model is flat when it is thinner along an axis than this share of its size.
 const FLAT: f32 = 0.02;
 
@@ -18,38 +20,45 @@ const FLAT: f32 = 0.02;
 /// says each in one note.
 pub fn complete_scene(scene: &mut Scene, report: &mut Report) {
     if scene.cameras.is_empty() {
-        let bounds = finite_bounds(scene);
-        let (view, what) = view_direction(bounds);
-        scene.cameras.push(frame(bounds, view));
+        let points = points(scene);
+        let (view, what) = view_direction(Aabb::from_points(points.iter().copied()));
+        scene.cameras.push(frame(&points, view));
         report.note(format!("no camera in the file: framed automatically, {what}"));
     }
     if is_dark(scene) {
         add_daylight(scene);
+        report.daylight = true;
         report.note("no light in the file: a sky and a sun were added");
     }
 }
 
-/// The box around all instances of finite size; a unit box when there are none.
-fn finite_bounds(scene: &Scene) -> Aabb {
-    let boxes = scene.instances.iter().map(|instance| match instance.geometry {
-        Geometry::Mesh(id) => {
-            let mesh = &scene.meshes[id.index()];
-            let transform: Affine3A = instance.transform;
-            let used = mesh.indices.iter().flatten();
-            Aabb::from_points(used.map(|&i| transform.transform_point3(mesh.positions[i as usize])))
+/// The vertices of all meshes and the corners of the boxes of all surfaces, in world space, as far as they are
+/// finite. A plane has no box, and says nothing about the view.
+fn points(scene: &Scene) -> Vec<Vec3> {
+    let mut points = Vec::new();
+    for instance in &scene.instances {
+        let place = |p: Vec3| instance.transform.transform_point3(p);
+        match instance.geometry {
+            Geometry::Mesh(id) => {
+                let mesh = &scene.meshes[id.index()];
+                points.extend(mesh.positions.iter().map(|&p| place(p)));
+            }
+            Geometry::Surface(id) => {
+                let bounds = scene.surfaces[id.index()].bounds();
+                points.extend(bounds.into_iter().flat_map(corners).map(place));
+            }
         }
-        // A plane has no bounds, and says nothing about the view.
-        Geometry::Surface(id) => {
-            let bounds = scene.surfaces[id.index()].bounds();
-            bounds.map_or(Aabb::EMPTY, |bounds| bounds.transformed(&instance.transform))
-        }
-    });
-    let finite = boxes.filter(|b| !b.is_empty() && b.min.is_finite() && b.max.is_finite());
-    let all = finite.fold(Aabb::EMPTY, Aabb::union);
-    if all.is_empty() || !all.extent().is_finite() {
-        return Aabb::from_points([Vec3::splat(-0.5), Vec3::splat(0.5)]);
     }
-    all
+    points.retain(|p| p.is_finite());
+    if points.is_empty() {
+        points.extend([Vec3::splat(-0.5), Vec3::splat(0.5)]);
+    }
+    points
+}
+
+fn corners(bounds: Aabb) -> [Vec3; 8] {
+    let ends = [bounds.min, bounds.max];
+    std::array::from_fn(|i| Vec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z))
 }
 
 /// From the model to the eye: from above to the right, unless the model is flat, then nearly along the flat axis.
@@ -68,37 +77,46 @@ fn view_direction(bounds: Aabb) -> (Vec3, &'static str) {
     (direction.normalize(), what)
 }
 
-/// A camera at the distance from which the corners of the box fill the picture up to a margin.
+/// The nearest camera that looks along `−back` and sees all points, with a margin.
 ///
-/// A corner with the offset `p` from the middle is inside the picture at distance d if
-/// `|p·right| ≤ a·(d − p·back)·tan(fov/2)` and `|p·up| ≤ (d − p·back)·tan(fov/2)`.
-fn frame(bounds: Aabb, back: Vec3) -> Camera {
-    let center = bounds.center();
+/// With `x, y, z` along right, up and back, an eye at height `e` and distance `d` sees a point when
+/// ```text
+/// |y − e| ≤ (d − z) tan(fov/2)     that is     y + z tan ≤ e + d tan     and     −y + z tan ≤ −e + d tan
+/// ```
+/// so the greatest left sides `A` and `B` over all points give `d = (A + B)/(2 tan)` and `e = (A − B)/2`;
+/// likewise for x. The greater distance sees both.
+fn frame(points: &[Vec3], back: Vec3) -> Camera {
     let fov = FOV_DEGREES.to_radians();
     let right = Vec3::Y.cross(back).normalize();
     let up = back.cross(right);
-    let tan = (0.5 * fov).tan() / 1.1;
-    let half = 0.5 * bounds.extent();
-    let distance_of = |i: u32| {
-        let sign = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
-        let p = half * Vec3::new(sign(0), sign(1), sign(2));
-        p.dot(back) + (p.dot(up).abs()).max(p.dot(right).abs() / ASPECT) / tan
+    let fit = |axis: Vec3, tan: f32| {
+        let most = |sign: f32| {
+            let reach = |p: &Vec3| sign * p.dot(axis) + p.dot(back) * tan;
+            points.iter().map(reach).fold(f32::NEG_INFINITY, f32::max)
+        };
+        let (a, b) = (most(1.0), most(-1.0));
+        ((a + b) / (2.0 * tan), (a - b) / 2.0)
     };
-    let radius = half.length().max(center.abs().max_element() * 1e-6).max(1e-9);
-    let distance = (0..8).map(distance_of).fold(radius * 1.05, f32::max);
+    let tan = (0.5 * fov).tan() / MARGIN;
+    let (across, x) = fit(right, tan * ASPECT);
+    let (along, y) = fit(up, tan);
+    let depth = |p: &Vec3| p.dot(back);
+    let nearest = points.iter().map(depth).fold(f32::NEG_INFINITY, f32::max);
+    let farthest = points.iter().map(depth).fold(f32::INFINITY, f32::min);
+    let size = points.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
+    // A model without extent is seen from a distance in proportion to its coordinates.
+    let least = nearest + (0.1 * (nearest - farthest)).max(1e-4 * size).max(1e-9);
+    let distance = across.max(along).max(least);
+    let eye = right * x + up * y + back * distance;
     Camera {
-        near: ((distance - radius) * 0.5).max(distance * 1e-3),
-        ..Camera::look_at("automatic", center + back * distance, center, Vec3::Y, fov)
+        near: 0.5 * (distance - nearest),
+        ..Camera::look_at("automatic", eye, eye - back * (distance - nearest).max(1e-3 * size), Vec3::Y, fov)
     }
 }
 
-/// No light, no emission, no unlit surface and a black sky.
+/// No light and a black sky. What only glows or is drawn unlit gets daylight, too: in these methods it lights nothing.
 fn is_dark(scene: &Scene) -> bool {
-    let shines = |i: &umbriel_render::Instance| {
-        let material = scene.materials.get(i.material.index());
-        material.is_some_and(|m| m.emission != Vec3::ZERO || m.unlit)
-    };
-    scene.lights.is_empty() && scene.environment.is_black() && !scene.instances.iter().any(shines)
+    scene.lights.is_empty() && scene.environment.is_black()
 }
 
 /// A clear sky, and a sun high to the left behind the viewer's shoulder.
@@ -113,4 +131,66 @@ fn add_daylight(scene: &mut Scene) {
         direction: Vec3::new(0.45, -1.0, -0.6).normalize(),
         illuminance: Vec3::new(2.5, 2.4, 2.25),
     }));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbriel_render::{Instance, Material, MaterialId, Mesh, MeshId};
+
+    fn scene_of(positions: Vec<Vec3>) -> Scene {
+        let mut scene = Scene::default();
+        scene.meshes.push(Mesh {
+            positions,
+            ..Mesh::default()
+        });
+        scene.materials.push(Material::default());
+        scene.instances.push(Instance {
+            name: String::new(),
+            geometry: Geometry::Mesh(MeshId(0)),
+            transform: umbriel_kernels::glam::Affine3A::IDENTITY,
+            material: MaterialId(0),
+            inside_out: false,
+        });
+        scene
+    }
+
+    /// Every point lies inside the picture, and some point near its edge, at every scale and place.
+    #[test]
+    fn the_frame_is_full_and_nothing_is_cut() {
+        for scale in [1e-4, 1.0, 1e5] {
+            for center in [Vec3::ZERO, Vec3::new(30.0, -50.0, 20.0)] {
+                let shape = [[-1.0, 0.0, 2.0], [1.0, 3.0, 0.5], [0.0, -1.0, -4.0], [0.3, 0.2, 1.0]];
+                let points: Vec<Vec3> = shape.map(|p| (Vec3::from(p) + center) * scale).to_vec();
+                let mut scene = scene_of(points.clone());
+                complete_scene(&mut scene, &mut Report::default());
+                let view = scene.cameras[0].view_projection(ASPECT);
+                let most = points
+                    .iter()
+                    .map(|&p| view.project_point3(p).truncate().abs().max_element())
+                    .fold(0.0, f32::max);
+                assert!((most - 1.0 / MARGIN).abs() < 0.01, "{scale} {center}: {most}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_and_a_point_are_framed_too() {
+        for points in [vec![], vec![Vec3::ONE * 7.0]] {
+            let mut scene = scene_of(points);
+            complete_scene(&mut scene, &mut Report::default());
+            assert_eq!(scene.validate(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn daylight_comes_only_where_there_is_no_light() {
+        let mut scene = scene_of(vec![Vec3::ONE]);
+        let mut report = Report::default();
+        complete_scene(&mut scene, &mut report);
+        assert!(report.daylight && report.notes.len() == 2);
+        let mut again = Report::default();
+        complete_scene(&mut scene, &mut again);
+        assert_eq!(again, Report::default());
+    }
 }

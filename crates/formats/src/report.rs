@@ -10,6 +10,8 @@ pub struct Report {
     pub ignored: BTreeMap<String, usize>,
     /// Decisions the user may want to know of, one line each: "no camera in the file: framed automatically".
     pub notes: Vec<String>,
+    /// The scene had no light, and got a sky and a sun.
+    pub daylight: bool,
 }
 
 impl Report {

@@ -131,12 +131,7 @@ fn refuse_ignored(args: &RenderArgs, loaded: &Loaded) -> Result<(), Failure> {
 /// Models bring lights in physical units, which are far from the range of a screen; a scene file is
 /// written for the picture it gives, and so is the sun that a model without lights gets.
 fn default_exposure(args: &RenderArgs, loaded: &Loaded) -> Exposure {
-    let own_lights = !loaded
-        .report
-        .notes
-        .iter()
-        .any(|note| note.contains("no light"));
-    if is_model(&args.scene) && own_lights && !loaded.scene.lights.is_empty() {
+    if is_model(&args.scene) && !loaded.report.daylight {
         Exposure::Auto
     } else {
         Exposure::Stops(0.0)
