@@ -1,4 +1,16 @@
-//! Files to scenes and pictures, and back. (Under construction.)
+//! Files to scenes and pictures, and back.
+//!
+//! | from | to | with |
+//! |---|---|---|
+//! | scene TOML, or any model | [`Scene`](render::Scene), settings, [`Report`] | [`load_scene`] |
+//! | glTF, GLB, OBJ, PLY, STL | [`Scene`](render::Scene) as it is in the file | [`import_model`] |
+//! | a scene without camera or light | one with both | [`complete_scene`] |
+//! | PNG, JPEG | texture | [`load_texture`] |
+//! | picture | PNG, EXR | [`encode_png`], [`encode_exr`], then [`write_file`] |
+//! | PNG, EXR | picture | [`read_image`] |
+//!
+//! Nothing here panics on any input, reads outside of the folder of the file it was given, or takes memory that a file
+//! only claims to need. Every [`FileError`] names the file, the place and what was expected.
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
@@ -34,3 +46,8 @@ pub use scene_file::{LoadOptions, Loaded, SceneSettings, load_scene, scene_schem
 pub use texture_file::load_texture;
 pub use write::{check_output, write_file};
 pub use umbriel_render as render;
+
+/// The README's program must compile.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

@@ -1,4 +1,25 @@
-//! One scene, drawn by rays. (Under construction.)
+//! One scene, drawn by rays: ray casting (Appel 1968) and Whitted's ray tracing (1980).
+//!
+//! A [`Scene`] is plain data. [`SceneBvh::build`] makes it ready for rays, [`render()`] draws it with a [`Camera`] and
+//! [`Settings`] into a [`Film`], and [`develop`] turns that into bytes for a screen. `ARCHITECTURE.md` says how the
+//! algorithms share one queue of weighted rays.
+//!
+//! | topic | function | source |
+//! |---|---|---|
+//! | pinhole camera: rays, projection | [`CameraFrame::ray`], [`Camera::view_projection`] | |
+//! | a hit becomes a point of a surface | [`surface_interaction`] | Pharr, Jakob & Humphreys 2023 (error bounds) |
+//! | shadow terminator of smooth meshes | in [`surface_interaction`] | Hanika 2021 |
+//! | reflection, refraction | [`reflect`], [`refract`] | Heckbert 1989 |
+//! | Fresnel | [`fresnel_dielectric`], [`fresnel_schlick`] | Hecht; Schlick 1994 |
+//! | diffuse lobe | [`eval_diffuse`] | Lambert 1760 |
+//! | rough specular lobe | [`eval_ggx`], [`albedo_ggx`] | Walter et al. 2007; Heitz 2014; Karis 2014 |
+//! | absorption | [`Material::absorption`] | Beer 1852 |
+//! | point, spot, directional light | [`Light::sample`] | KHR_lights_punctual |
+//! | light of the sky on a surface | [`Environment::ambient`] | Ramamoorthi & Hanrahan 2001 |
+//! | is it lit? | [`Visibility`]: [`ShadowRays`], [`Unshadowed`] | Appel 1968; Whitted 1980 |
+//! | places of samples | [`sample_pixel`] | Hammersley 1960; Cranley & Patterson 1976 |
+//! | tone curves, sRGB | [`develop`] | Khronos 2024; Hill 2016; Sobotka 2022; IEC 61966-2-1 |
+//! | how two pictures differ | [`compare()`] | Wang et al. 2004 (SSIM) |
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
