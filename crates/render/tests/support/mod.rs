@@ -3,10 +3,10 @@
 
 use std::sync::atomic::AtomicBool;
 use umbriel_render::{
-    Camera, Control, Film, Geometry, Instance, Material, MaterialId, Mesh, MeshId, Scene, SceneBvh,
-    Settings, SurfaceId,
+    Camera, Control, DirectionalLight, Environment, Film, Geometry, Instance, Light, Material,
+    MaterialId, Mesh, MeshId, Method, PointLight, Scene, SceneBvh, Settings, SurfaceId,
     kernels::{
-        Surface,
+        Plane, Surface,
         glam::{Affine3A, Vec3},
     },
     render,
@@ -101,5 +101,67 @@ impl Random {
         let (sin, cos) = self.range(0.0, std::f32::consts::TAU).sin_cos();
         let r = (1.0 - z * z).max(0.0).sqrt();
         Vec3::new(r * cos, r * sin, z)
+    }
+}
+
+/// Rounding of f32 through a whole picture.
+const TOLERANCE: f32 = 2e-5;
+
+pub(crate) fn close(a: Vec3, b: Vec3) {
+    assert!(
+        (a - b).abs().max_element() <= TOLERANCE * (1.0 + b.max_element()),
+        "{a} should be {b}"
+    );
+}
+
+pub(crate) fn matte(color: Vec3) -> Material {
+    // An index of refraction of 1 reflects nothing but at grazing angles (Schlick's fifth power), where no test looks.
+    Material {
+        base_color: color,
+        ior: 1.0,
+        ..Material::default()
+    }
+}
+
+pub(crate) fn floor() -> Surface {
+    Surface::Plane(Plane {
+        point: Vec3::ZERO,
+        normal: Vec3::Y,
+    })
+}
+
+pub(crate) fn point_light(position: Vec3, intensity: f32) -> Light {
+    Light::Point(PointLight {
+        name: String::new(),
+        position,
+        intensity: Vec3::splat(intensity),
+        range: f32::INFINITY,
+    })
+}
+
+pub(crate) fn sun(direction: Vec3, illuminance: f32) -> Light {
+    Light::Directional(DirectionalLight {
+        name: String::new(),
+        direction: direction.normalize(),
+        illuminance: Vec3::splat(illuminance),
+    })
+}
+
+pub(crate) fn sky(radiance: Vec3) -> Environment {
+    Environment {
+        zenith: radiance,
+        nadir: radiance,
+        ambient: Some(Vec3::ZERO),
+    }
+}
+
+pub(crate) fn eye(from: Vec3, to: Vec3) -> Camera {
+    Camera::look_at("eye", from, to, Vec3::new(0.1, 0.2, 1.0), 1e-3)
+}
+
+pub(crate) fn ray_cast() -> Settings {
+    Settings {
+        method: Method::RayCast,
+        ..Settings::default()
     }
 }
