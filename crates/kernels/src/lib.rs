@@ -71,7 +71,7 @@ pub use offset::{gamma, offset_origin};
 pub use plane::{Plane, intersect_plane};
 pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};
-pub use simd::SurfaceList;
+pub use simd::{LANES, Lanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit};
 pub use sphere::{Sphere, intersect_sphere};
 pub use surface::{Surface, intersect_surface};
 pub use torus::{Torus, intersect_torus};

@@ -21,7 +21,7 @@ pub const fn gamma(n: u32) -> f32 {
 /// one ulp or two in each component, which makes up for its own rounding.
 ///
 /// Source: Pharr, Jakob & Humphreys, "Physically Based Rendering", 4th ed., 2023, section 6.8.6.
-#[inline]
+#[inline(always)]
 pub fn offset_origin(p: Vec3, error: Vec3, ng: Vec3, dir: Vec3) -> Vec3 {
     let delta = error.dot(ng.abs());
     let side = if dir.dot(ng) < 0.0 { -delta } else { delta };

@@ -18,6 +18,7 @@ impl Plane {
     /// `uv`: distances from `point` along the plane's two axes, in metres. The `u` axis is
     /// `z × normal` (so +x for a floor), or +x for a normal along ±z; `v` completes the frame
     /// (−z for a floor with normal +y).
+    #[inline(always)]
     pub fn point_at(&self, p: Vec3) -> SurfacePoint {
         let n = self.normal.as_dvec3().normalize();
         let (u_axis, v_axis) = plane_axes(n);
@@ -34,6 +35,7 @@ impl Plane {
 }
 
 /// Two unit vectors that span the plane of unit normal `n`, with `u × v = n`.
+#[inline(always)]
 pub(crate) fn plane_axes(n: DVec3) -> (DVec3, DVec3) {
     let u = n.cross(DVec3::Z).try_normalize().unwrap_or(DVec3::X);
     (u, n.cross(u))

@@ -24,6 +24,7 @@ impl Rectangle {
     /// The point of the rectangle below or above `p`.
     ///
     /// `uv`: (0, 0) at `center − u − v`, (1, 1) at `center + u + v`; the tangent is along `u`.
+    #[inline(always)]
     pub fn point_at(&self, p: Vec3) -> SurfacePoint {
         let center = self.center.as_dvec3();
         let (u, v) = (self.u.as_dvec3(), self.v.as_dvec3());
@@ -38,6 +39,7 @@ impl Rectangle {
     }
 
     /// `x` and `y` of the point `center + p`, along the normal `u × v`.
+    #[inline(always)]
     fn coordinates(&self, p: DVec3) -> (f64, f64) {
         let (u, v) = (self.u.as_dvec3(), self.v.as_dvec3());
         let n = u.cross(v);

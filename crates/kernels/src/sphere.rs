@@ -43,17 +43,17 @@ impl Sphere {
     }
 
     /// `p` and `n` of [`Sphere::point_at`], without the cost of the angles.
-    #[inline]
+    #[inline(always)]
     pub fn normal_at(&self, p: Vec3) -> (Vec3, Vec3) {
         self.position_normal(self.outward(p))
     }
 
-    #[inline]
+    #[inline(always)]
     fn outward(&self, p: Vec3) -> DVec3 {
         (p.as_dvec3() - self.center.as_dvec3()).normalize_or(DVec3::Y)
     }
 
-    #[inline]
+    #[inline(always)]
     fn position_normal(&self, n: DVec3) -> (Vec3, Vec3) {
         let p = self.center.as_dvec3() + n * f64::from(self.radius);
         (p.as_vec3(), n.as_vec3())

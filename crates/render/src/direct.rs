@@ -1,8 +1,10 @@
 //! THE direct-light loop: every algorithm lights its surfaces here.
 
-use crate::{Scene, SurfaceInteraction};
+use crate::{
+    Light, LightSample, SurfaceInteraction, shade_block::SeenLanes, surface_lanes::SurfaceLanes,
+};
 use std::f32::consts::PI;
-use umbriel_kernels::{Interval, Ray, glam::Vec3, offset_origin};
+use umbriel_kernels::{Interval, LANES, Lanes, Ray, Vec3Lanes, glam::Vec3, offset_origin};
 
 /// The second question of every picture: how much of this light reaches this point?
 ///
@@ -21,6 +23,43 @@ struct Unshadowed {
     radiance: Vec3,
 }
 
+/// What a block of surfaces reflects of one light, and the rays towards it.
+#[derive(Debug)]
+struct LitLanes {
+    /// Greatest share of the light in any colour.
+    share: Lanes,
+    radiance: Vec3Lanes,
+    origin: Vec3Lanes,
+    dir: Vec3Lanes,
+    t_max: Lanes,
+}
+
+impl Default for LitLanes {
+    fn default() -> Self {
+        Self {
+            share: [0.0; LANES],
+            radiance: Vec3Lanes::default(),
+            origin: Vec3Lanes::default(),
+            dir: Vec3Lanes::default(),
+            t_max: [0.0; LANES],
+        }
+    }
+}
+
+impl LitLanes {
+    #[inline(always)]
+    fn ray(&self, i: usize) -> Ray {
+        Ray {
+            origin: self.origin.get(i),
+            dir: self.dir.get(i),
+            t: Interval {
+                min: 0.0,
+                max: self.t_max[i],
+            },
+        }
+    }
+}
+
 /// The lit surfaces of one round, waiting for the answers of one batch of visibility questions.
 #[derive(Debug, Default)]
 pub(crate) struct DirectLight {
@@ -28,40 +67,82 @@ pub(crate) struct DirectLight {
     lights: Vec<u32>,
     unshadowed: Vec<Unshadowed>,
     fractions: Vec<Vec3>,
+    lit: LitLanes,
     /// Number of visibility questions asked so far.
     pub(crate) shadow_rays: u64,
 }
 
 impl DirectLight {
-    /// Takes down what a surface reflects of each light, times `weight`:
+    /// Takes down what surfaces reflect of each light, times their weights:
     ///
     /// ```text
     /// L_o = Σ_lights  f(wo, wi) (ns·wi) · E_light · transmittance
     /// ```
     /// [`DirectLight::resolve`] asks for the transmittance. Light of which the surface reflects less than `min_weight`
     /// of what a white diffuse surface would, weight included, is left out, like rays of too little weight.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn add(
         &mut self,
-        scene: &Scene,
-        surface: &SurfaceInteraction,
-        weight: Vec3,
-        sample: u32,
+        lights: &[Light],
+        surfaces: &SurfaceLanes,
+        seen: &SeenLanes,
         min_weight: f32,
     ) {
-        for (number, light) in scene.lights.iter().enumerate() {
-            let Some(arriving) = light.sample(surface.p) else {
-                continue;
-            };
-            let reflected = surface.bsdf.eval(surface.ns, surface.wo, arriving.wi);
-            let share = weight * reflected;
-            if share.max_element() * PI > min_weight {
-                self.rays
-                    .push(shadow_ray(surface, arriving.to_light, arriving.t_max));
-                self.lights.push(number as u32);
-                let radiance = share * arriving.illuminance;
-                self.unshadowed.push(Unshadowed { sample, radiance });
+        // A perfect mirror shows no lights without extent.
+        if let Some(bsdf) = surfaces.uniform
+            && bsdf.diffuse_color() == Vec3::ZERO
+            && bsdf.roughness == 0.0
+        {
+            return;
+        }
+        for (number, light) in lights.iter().enumerate() {
+            match light {
+                // The common kind has a loop of its own.
+                Light::Point(light) => self.reflect(
+                    surfaces,
+                    &seen.weight,
+                    #[inline(always)]
+                    |p| light.sample(p),
+                ),
+                light => self.reflect(surfaces, &seen.weight, |p| light.sample(p)),
             }
+            for i in 0..surfaces.len {
+                if self.lit.share[i] * PI > min_weight {
+                    self.rays.push(self.lit.ray(i));
+                    self.lights.push(number as u32);
+                    self.unshadowed.push(Unshadowed {
+                        sample: seen.sample[i],
+                        radiance: self.lit.radiance.get(i),
+                    });
+                }
+            }
+        }
+    }
+
+    /// What each surface reflects of one light, and the ray towards it.
+    #[inline(always)]
+    fn reflect(
+        &mut self,
+        surfaces: &SurfaceLanes,
+        weights: &Vec3Lanes,
+        light: impl Fn(Vec3) -> Option<LightSample>,
+    ) {
+        for i in 0..surfaces.len.min(LANES) {
+            let surface = surfaces.get(i);
+            let sample = light(surface.p);
+            let arriving = sample.unwrap_or(LightSample::DARK);
+            let reflected = surface.bsdf.eval(surface.ns, surface.wo, arriving.wi);
+            let share = weights.get(i) * reflected;
+            self.lit.share[i] = if sample.is_some() {
+                share.max_element()
+            } else {
+                0.0
+            };
+            self.lit.radiance.set(i, share * arriving.illuminance);
+            let ray = shadow_ray(&surface, arriving.to_light, arriving.t_max);
+            self.lit.origin.set(i, ray.origin);
+            self.lit.dir.set(i, ray.dir);
+            self.lit.t_max[i] = ray.t.max;
         }
     }
 
@@ -81,7 +162,7 @@ impl DirectLight {
 }
 
 /// The ray from a surface to the end of `to_light`.
-#[inline]
+#[inline(always)]
 fn shadow_ray(surface: &SurfaceInteraction, to_light: Vec3, t_max: f32) -> Ray {
     let origin = offset_origin(surface.shadow_p, surface.error, surface.ng, to_light);
     Ray {

@@ -22,7 +22,7 @@ pub struct Environment {
 
 impl Environment {
     /// The radiance that arrives from the unit direction `dir`, in nit.
-    #[inline]
+    #[inline(always)]
     pub fn radiance(&self, dir: Vec3) -> Vec3 {
         self.nadir + (self.zenith - self.nadir) * (0.5 + 0.5 * dir.y)
     }
@@ -38,7 +38,7 @@ impl Environment {
     ///
     /// Source: Ramamoorthi & Hanrahan, "An Efficient Representation for Irradiance Environment Maps",
     /// SIGGRAPH 2001 (the factor ⅔ of the linear band).
-    #[inline]
+    #[inline(always)]
     pub fn ambient(&self, n: Vec3) -> Vec3 {
         self.ambient
             .unwrap_or_else(|| self.nadir + (self.zenith - self.nadir) * (0.5 + n.y / 3.0))

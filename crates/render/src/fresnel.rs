@@ -14,7 +14,7 @@ use umbriel_kernels::glam::Vec3;
 /// Total internal reflection (`sin θ_t ≥ 1`) gives 1; equal media give 0.
 ///
 /// Source: Hecht, "Optics", section 4.6; Pharr, Jakob & Humphreys, "Physically Based Rendering", 4th ed., 2023, section 9.5.
-#[inline]
+#[inline(always)]
 pub fn fresnel_dielectric(cos_i: f32, eta: f32) -> f32 {
     let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
     if sin2_t >= 1.0 {
@@ -34,7 +34,7 @@ pub fn fresnel_dielectric(cos_i: f32, eta: f32) -> f32 {
 /// `f0` is the reflectance at normal incidence, each component in `[0, 1]`.
 ///
 /// Source: Schlick, "An Inexpensive BRDF Model for Physically-based Rendering", Computer Graphics Forum 13(3), 1994.
-#[inline]
+#[inline(always)]
 pub fn fresnel_schlick(cos: f32, f0: Vec3) -> Vec3 {
     let m = (1.0 - cos).clamp(0.0, 1.0);
     let m2 = m * m;
@@ -42,7 +42,7 @@ pub fn fresnel_schlick(cos: f32, f0: Vec3) -> Vec3 {
 }
 
 /// Reflectance of a dielectric at normal incidence: `((n − 1)/(n + 1))²`, 0.04 for glass of 1.5.
-#[inline]
+#[inline(always)]
 pub fn normal_reflectance(ior: f32) -> f32 {
     let r = (ior - 1.0) / (ior + 1.0);
     r * r
@@ -53,7 +53,7 @@ pub fn normal_reflectance(ior: f32) -> f32 {
 /// ```text
 /// r = 2 (n·wo) n − wo
 /// ```
-#[inline]
+#[inline(always)]
 pub fn reflect(wo: Vec3, n: Vec3) -> Vec3 {
     n * (2.0 * n.dot(wo)) - wo
 }
@@ -67,7 +67,7 @@ pub fn reflect(wo: Vec3, n: Vec3) -> Vec3 {
 /// ```
 ///
 /// Source: Heckbert, "Derivation of Refraction Formulas", An Introduction to Ray Tracing, 1989.
-#[inline]
+#[inline(always)]
 pub fn refract(wo: Vec3, n: Vec3, eta: f32) -> Option<Vec3> {
     let cos_i = n.dot(wo);
     let sin2_t = (1.0 - cos_i * cos_i).max(0.0) / (eta * eta);

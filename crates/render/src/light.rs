@@ -69,6 +69,24 @@ pub struct LightSample {
     pub illuminance: Vec3,
 }
 
+impl LightSample {
+    /// No light.
+    pub(crate) const DARK: Self = Self {
+        wi: Vec3::ZERO,
+        to_light: Vec3::ZERO,
+        t_max: 0.0,
+        illuminance: Vec3::ZERO,
+    };
+}
+
+impl PointLight {
+    /// See [`Light::sample`].
+    #[inline(always)]
+    pub(crate) fn sample(&self, p: Vec3) -> Option<LightSample> {
+        sample_point(self.position, self.range, self.intensity, p)
+    }
+}
+
 impl Light {
     /// Name in messages.
     pub fn name(&self) -> &str {
@@ -83,7 +101,7 @@ impl Light {
     #[inline]
     pub fn sample(&self, p: Vec3) -> Option<LightSample> {
         match self {
-            Self::Point(light) => sample_point(light.position, light.range, light.intensity, p),
+            Self::Point(light) => light.sample(p),
             Self::Spot(light) => {
                 let sample = sample_point(light.position, light.range, light.intensity, p)?;
                 let fade = spot_fade(light, -sample.wi);
@@ -110,7 +128,7 @@ impl Light {
 /// A point at the light itself gets no light: the direction is undefined there.
 ///
 /// Source: Khronos, KHR_lights_punctual, "Range Property".
-#[inline]
+#[inline(always)]
 fn sample_point(position: Vec3, range: f32, intensity: Vec3, p: Vec3) -> Option<LightSample> {
     let to_light = position - p;
     let d2 = to_light.length_squared();

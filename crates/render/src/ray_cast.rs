@@ -6,19 +6,31 @@ use crate::{
     Environment, SurfaceInteraction,
     bsdf::albedo_ggx,
     fresnel::{normal_reflectance, reflect},
+    surface_lanes::{SurfaceLanes, for_lanes},
 };
-use umbriel_kernels::glam::Vec3;
+use umbriel_kernels::{Vec3Lanes, glam::Vec3};
 
 /// Light from the surroundings in place of indirect light: all of the specular lobe reflects the ambient light.
 ///
 /// Ray casting sees one surface, so glass is drawn as if it let nothing through.
-pub(crate) fn shade(environment: &Environment, surface: &mut SurfaceInteraction) -> Vec3 {
-    surface.bsdf.transmission = 0.0;
-    ambient_reflection(environment, surface, 1.0)
+#[inline(always)]
+pub(crate) fn shade(
+    environment: &Environment,
+    surfaces: &mut SurfaceLanes,
+    ambient: &mut Vec3Lanes,
+) {
+    surfaces.make_opaque();
+    for_lanes(
+        surfaces,
+        ambient,
+        #[inline(always)]
+        |_, surface| ambient_reflection(environment, surface, 1.0),
+    );
 }
 
 /// The reflection of the ambient light, as if nothing stood in its way: all of the diffuse lobe and the share
 /// `specular` of the specular one.
+#[inline(always)]
 pub(crate) fn ambient_reflection(
     environment: &Environment,
     surface: &SurfaceInteraction,

@@ -62,8 +62,8 @@ pub fn surface_interaction(bvh: &SceneBvh, ray: &Ray, hit: &Hit) -> SurfaceInter
         point.lift = Vec3::ZERO;
     }
     let wo = -ray.dir;
-    let front = wo.dot(point.ng) >= 0.0;
-    let side = if front { 1.0 } else { -1.0 };
+    let side = side_of(wo, point.ng);
+    let front = side > 0.0;
     SurfaceInteraction {
         p: point.p,
         error: point.error,
@@ -74,6 +74,12 @@ pub fn surface_interaction(bvh: &SceneBvh, ray: &Ray, hit: &Hit) -> SurfaceInter
         front,
         bsdf: material_at(scene, material, &point.uvs, point.color, front),
     }
+}
+
+/// 1 if `wo` is on the side of the normal `n`, or in its plane, −1 behind.
+#[inline(always)]
+pub(crate) fn side_of(wo: Vec3, n: Vec3) -> f32 {
+    if wo.dot(n) >= 0.0 { 1.0 } else { -1.0 }
 }
 
 /// The material's alpha at a hit of an object-space ray.
@@ -117,8 +123,8 @@ fn object_point(scene: &Scene, instance: &Instance, object_ray: &Ray, hit: &Hit)
 }
 
 /// Moved onto the surface in f64 and rounded once; the rest is for the normal's rounding.
-#[inline]
-fn surface_error(p: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn surface_error(p: Vec3) -> Vec3 {
     p.abs() * gamma(4) + Vec3::splat(f32::MIN_POSITIVE)
 }
 
@@ -245,6 +251,7 @@ fn bend_normal(
 }
 
 /// A texture's value, or all ones where there is none.
+#[inline]
 fn sample(scene: &Scene, texture: &Option<TextureRef>, uvs: &[Vec2; 2]) -> Vec4 {
     match texture {
         Some(t) => scene.textures[t.texture.index()]
@@ -254,7 +261,8 @@ fn sample(scene: &Scene, texture: &Option<TextureRef>, uvs: &[Vec2; 2]) -> Vec4 
 }
 
 /// Looks the material's textures up; `front` decides whether light enters or leaves.
-fn material_at(
+#[inline]
+pub(crate) fn material_at(
     scene: &Scene,
     material: &Material,
     uvs: &[Vec2; 2],

@@ -1,13 +1,10 @@
 //! The queue of weighted rays: the loop that all ray methods share.
 
 use crate::{
-    MaterialId, Method, SceneBvh, Settings, ShadowRays, SurfaceInteraction, Unshadowed,
-    direct::DirectLight, ray_cast, surface::surface_interaction, whitted,
+    MaterialId, SceneBvh, Settings, ShadowRays, Unshadowed, direct::DirectLight,
+    hit_groups::HitGroups, shade_block::ShadeBlock,
 };
-use umbriel_kernels::{Hit, Ray, glam::Vec3, offset_origin};
-
-/// How many surfaces with alpha one ray may pass; what lies behind more is not seen.
-const MAX_PASSES: u16 = 256;
+use umbriel_kernels::{Hit, LANES, Ray, VectorUnit, glam::Vec3};
 
 /// What a queued ray carries beside its geometry.
 #[derive(Clone, Copy, Debug)]
@@ -27,11 +24,12 @@ pub(crate) struct RayState {
 /// Weighted rays in the order in which they were found.
 #[derive(Debug, Default)]
 pub(crate) struct Queue {
-    rays: Vec<Ray>,
-    states: Vec<RayState>,
+    pub(crate) rays: Vec<Ray>,
+    pub(crate) states: Vec<RayState>,
 }
 
 impl Queue {
+    #[inline]
     pub(crate) fn push(&mut self, ray: Ray, state: RayState) {
         self.rays.push(ray);
         self.states.push(state);
@@ -48,11 +46,14 @@ impl Queue {
 pub(crate) struct Tracer<'a> {
     bvh: &'a SceneBvh<'a>,
     settings: &'a Settings,
+    unit: VectorUnit,
     shadow_rays: ShadowRays<'a>,
     direct: DirectLight,
     queue: Queue,
     next: Queue,
     hits: Vec<Option<Hit>>,
+    groups: HitGroups,
+    block: Box<ShadeBlock>,
     /// Eye, mirrored and refracted rays so far.
     pub(crate) rays: u64,
     /// Samples that were not finite and count as black.
@@ -64,11 +65,14 @@ impl<'a> Tracer<'a> {
         Self {
             bvh,
             settings,
+            unit: VectorUnit::default(),
             shadow_rays: ShadowRays::new(bvh, settings.glass_shadows),
             direct: DirectLight::default(),
             queue: Queue::default(),
             next: Queue::default(),
             hits: Vec::new(),
+            groups: HitGroups::default(),
+            block: Box::default(),
             rays: 0,
             bad_samples: 0,
         }
@@ -81,7 +85,7 @@ impl<'a> Tracer<'a> {
 
     /// The radiance along each ray, in nit. `eye` rays have unit directions; `radiance` is as long as `eye`.
     ///
-    /// Contributions are added in the order of the queue, which does not depend on how a batch is run.
+    /// Contributions are added in an order that depends on the batch only, not on how it is run.
     pub(crate) fn trace(&mut self, eye: &[Ray], radiance: &mut [Vec3]) {
         radiance.fill(Vec3::ZERO);
         self.queue.clear();
@@ -97,6 +101,7 @@ impl<'a> Tracer<'a> {
         }
         while !self.queue.rays.is_empty() {
             self.intersect();
+            self.see_sky(radiance);
             self.next.clear();
             self.shade(radiance);
             self.light(radiance);
@@ -112,57 +117,53 @@ impl<'a> Tracer<'a> {
 
     /// Step 1: what does each ray hit?
     fn intersect(&mut self) {
-        self.hits.clear();
         self.hits.resize(self.queue.rays.len(), None);
         self.bvh.intersect(&self.queue.rays, &mut self.hits);
         self.rays += self.queue.rays.len() as u64;
     }
 
+    /// Rays that hit nothing see the sky.
+    fn see_sky(&self, radiance: &mut [Vec3]) {
+        let environment = &self.bvh.scene().environment;
+        let rays = self.queue.rays.iter().zip(&self.queue.states);
+        for ((ray, state), hit) in rays.zip(&self.hits) {
+            if hit.is_none() {
+                radiance[state.sample as usize] += state.weight * environment.radiance(ray.dir);
+            }
+        }
+    }
+
     /// Steps 2 and 4: evaluate each surface, add what it emits, take down its direct light, and push the rays that
-    /// go on from it. Rays that hit nothing see the sky.
+    /// go on from it. The hits of one instance are shaded together.
     fn shade(&mut self, radiance: &mut [Vec3]) {
-        let scene = self.bvh.scene();
-        for ((ray, state), hit) in self
-            .queue
-            .rays
-            .iter()
-            .zip(&self.queue.states)
-            .zip(&self.hits)
-        {
-            let sum = &mut radiance[state.sample as usize];
-            let Some(hit) = hit else {
-                *sum += state.weight * scene.environment.radiance(ray.dir);
-                continue;
-            };
-            let mut state = *state;
-            if let Some(medium) = state.medium {
-                state.weight *= scene.materials[medium.index()].absorption(hit.t);
+        let instances = self.bvh.scene().instances.len();
+        self.groups.sort(&self.hits, instances);
+        for (instance, members) in self.groups.iter() {
+            for members in members.chunks(LANES) {
+                self.unit.run(
+                    #[inline(always)]
+                    || {
+                        let block = &mut *self.block;
+                        block.evaluate(self.bvh, &self.queue, instance, members);
+                        block.pass(members, &self.queue, &mut self.next);
+                        if !block.shade(self.bvh.scene(), self.settings, radiance) {
+                            return;
+                        }
+                        let material = self.bvh.scene().instances[instance as usize].material;
+                        block.push(
+                            self.settings,
+                            material,
+                            members,
+                            &self.queue,
+                            &mut self.next,
+                        );
+                        let (surfaces, seen) = (&block.surfaces, &block.seen);
+                        let lights = &self.bvh.scene().lights;
+                        self.direct
+                            .add(lights, surfaces, seen, self.settings.min_weight);
+                    },
+                );
             }
-            let mut surface = surface_interaction(self.bvh, ray, hit);
-            if surface.bsdf.alpha < 1.0 {
-                pass(&surface, ray, &state, &mut self.next);
-                state.weight *= surface.bsdf.alpha;
-            }
-            if surface.bsdf.unlit {
-                *sum += state.weight * surface.bsdf.base_color;
-                continue;
-            }
-            let ambient = match self.settings.method {
-                Method::RayCast => ray_cast::shade(&scene.environment, &mut surface),
-                Method::Whitted => {
-                    let material = scene.instances[hit.instance as usize].material;
-                    whitted::spawn(self.settings, &surface, &state, material, &mut self.next);
-                    whitted::ambient(&scene.environment, &surface)
-                }
-            };
-            *sum += state.weight * (surface.bsdf.emission + ambient);
-            self.direct.add(
-                scene,
-                &surface,
-                state.weight,
-                state.sample,
-                self.settings.min_weight,
-            );
         }
     }
 
@@ -174,18 +175,4 @@ impl<'a> Tracer<'a> {
             self.direct.resolve(&mut Unshadowed, radiance);
         }
     }
-}
-
-/// Pushes what is left of a ray behind a partly transparent surface.
-fn pass(surface: &SurfaceInteraction, ray: &Ray, state: &RayState, queue: &mut Queue) {
-    if state.passes >= MAX_PASSES {
-        return;
-    }
-    let behind = RayState {
-        weight: state.weight * (1.0 - surface.bsdf.alpha),
-        passes: state.passes + 1,
-        ..*state
-    };
-    let origin = offset_origin(surface.p, surface.error, surface.ng, ray.dir);
-    queue.push(Ray::new(origin, ray.dir), behind);
 }

@@ -3,81 +3,129 @@
 //! Source: Whitted, "An Improved Illumination Model for Shaded Display", Communications of the ACM 23(6), 1980.
 
 use crate::{
-    Environment, MaterialId, Settings, SurfaceInteraction,
+    Environment, SurfaceInteraction,
     fresnel::{reflect, refract},
     ray_cast::ambient_reflection,
-    trace::{Queue, RayState},
+    surface_lanes::{SurfaceLanes, for_lanes},
 };
-use umbriel_kernels::{Ray, glam::Vec3, offset_origin};
+use umbriel_kernels::{LANES, Ray, Vec3Lanes, glam::Vec3, offset_origin};
 
 /// The share of the specular lobe that one mirrored ray stands for, in `[0, 1]`.
 ///
 /// A mirrored ray is sharp, so it can stand for a narrow lobe only: 1 up to roughness 0.1, falling smoothly to 0 at 0.4.
 /// The rest of the lobe reflects the ambient light.
+#[inline(always)]
 fn mirror_share(roughness: f32) -> f32 {
     let x = ((roughness - 0.1) / 0.3).clamp(0.0, 1.0);
     1.0 - x * x * (3.0 - 2.0 * x)
 }
 
 /// Whitted's ambient term, for what no ray is sent after.
-pub(crate) fn ambient(environment: &Environment, surface: &SurfaceInteraction) -> Vec3 {
-    ambient_reflection(
-        environment,
-        surface,
-        1.0 - mirror_share(surface.bsdf.roughness),
-    )
+#[inline(always)]
+pub(crate) fn ambient(environment: &Environment, surfaces: &SurfaceLanes, ambient: &mut Vec3Lanes) {
+    if let Some(bsdf) = surfaces.uniform
+        && bsdf.diffuse_color() == Vec3::ZERO
+        && mirror_share(bsdf.roughness) == 1.0
+    {
+        *ambient = Vec3Lanes::splat(Vec3::ZERO);
+        return;
+    }
+    for_lanes(
+        surfaces,
+        ambient,
+        #[inline(always)]
+        |_, surface| {
+            let share = mirror_share(surface.bsdf.roughness);
+            ambient_reflection(environment, surface, 1.0 - share)
+        },
+    );
 }
 
-/// Pushes the mirrored and the refracted ray of a surface point.
+/// Rays that go on from a block of surfaces.
+#[derive(Debug, Default)]
+pub(crate) struct OnwardLanes {
+    pub(crate) weight: Vec3Lanes,
+    origin: Vec3Lanes,
+    dir: Vec3Lanes,
+}
+
+impl OnwardLanes {
+    #[inline(always)]
+    pub(crate) fn ray(&self, i: usize) -> Ray {
+        Ray::new(self.origin.get(i), self.dir.get(i))
+    }
+
+    #[inline(always)]
+    pub(crate) fn has_weight(&self, i: usize, least: f32) -> bool {
+        self.weight.get(i).max_element() >= least
+    }
+
+    /// Starts the rays of all lanes, unless none has enough weight; a lane without direction loses its weight.
+    #[inline(always)]
+    fn start(
+        &mut self,
+        surfaces: &SurfaceLanes,
+        least: f32,
+        direction: impl Fn(&SurfaceInteraction) -> Option<Vec3>,
+    ) {
+        let mut any = false;
+        for i in 0..surfaces.len.min(LANES) {
+            any |= self.has_weight(i, least);
+        }
+        if !any {
+            return;
+        }
+        for i in 0..surfaces.len.min(LANES) {
+            let surface = surfaces.get(i);
+            let found = direction(&surface);
+            let dir = found.unwrap_or(surface.wo);
+            let kept = if found.is_some() { 1.0 } else { 0.0 };
+            self.weight.set(i, self.weight.get(i) * kept);
+            self.dir.set(i, dir);
+            let origin = offset_origin(surface.p, surface.error, surface.ng, dir);
+            self.origin.set(i, origin);
+        }
+    }
+}
+
+/// The mirrored and the refracted rays of surfaces that are seen with `weights`.
 ///
 /// ```text
 /// weight_r = weight · F · mirror share      weight_t = weight · (1 − F) · transmission · base colour
 /// ```
-/// Total internal reflection has `F = 1`, so its refracted ray has no weight. `material` is the surface's.
+/// Total internal reflection has `F = 1`, so its refracted ray has no weight. Only rays with a weight of `least` in
+/// some channel have an origin and a direction.
+#[inline(always)]
 pub(crate) fn spawn(
-    settings: &Settings,
-    surface: &SurfaceInteraction,
-    state: &RayState,
-    material: MaterialId,
-    queue: &mut Queue,
+    surfaces: &SurfaceLanes,
+    weights: &Vec3Lanes,
+    least: f32,
+    mirrored: &mut OnwardLanes,
+    refracted: &mut OnwardLanes,
 ) {
-    if u32::from(state.depth) >= settings.depth {
-        return;
+    for i in 0..surfaces.len.min(LANES) {
+        let surface = surfaces.get(i);
+        let (reflected, transmitted) = surface.bsdf.split(surface.ns.dot(surface.wo));
+        let share = mirror_share(surface.bsdf.roughness);
+        mirrored.weight.set(i, weights.get(i) * reflected * share);
+        refracted.weight.set(i, weights.get(i) * transmitted);
     }
-    let bsdf = &surface.bsdf;
-    let (reflected, transmitted) = bsdf.split(surface.ns.dot(surface.wo));
-    let child = RayState {
-        depth: state.depth + 1,
-        ..*state
-    };
-    let enough = |weight: Vec3| weight.max_element() >= settings.min_weight;
-    let mut push = |dir: Vec3, child: RayState| {
-        let origin = offset_origin(surface.p, surface.error, surface.ng, dir);
-        queue.push(Ray::new(origin, dir), child);
-    };
-    let weight = state.weight * reflected * mirror_share(bsdf.roughness);
-    if enough(weight) {
-        push(mirrored_direction(surface), RayState { weight, ..child });
-    }
-    let weight = state.weight * transmitted;
-    if enough(weight)
-        && let Some(dir) = refracted_direction(surface)
-    {
-        let medium = if bsdf.thin_walled {
-            state.medium
-        } else {
-            surface.front.then_some(material)
-        };
-        let through = RayState {
-            weight,
-            medium,
-            ..child
-        };
-        push(dir, through);
-    }
+    mirrored.start(
+        surfaces,
+        least,
+        #[inline(always)]
+        |s| Some(mirrored_direction(s)),
+    );
+    refracted.start(
+        surfaces,
+        least,
+        #[inline(always)]
+        |s| refracted_direction(s),
+    );
 }
 
 /// Mirrors at the shading normal, or at the geometric normal where that would point into the surface.
+#[inline(always)]
 fn mirrored_direction(surface: &SurfaceInteraction) -> Vec3 {
     let dir = reflect(surface.wo, surface.ns);
     if dir.dot(surface.ng) > 0.0 {
@@ -88,6 +136,7 @@ fn mirrored_direction(surface: &SurfaceInteraction) -> Vec3 {
 }
 
 /// Refracts at the shading normal, or at the geometric normal where that would not pass the surface.
+#[inline(always)]
 fn refracted_direction(surface: &SurfaceInteraction) -> Option<Vec3> {
     let eta = surface.bsdf.eta;
     refract(surface.wo, surface.ns, eta)

@@ -5,6 +5,8 @@
 //! contracts none, so the results are equal to the bit on every instruction set.
 
 mod block;
+mod lanes;
 mod surface_list;
 
+pub use lanes::{LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit};
 pub use surface_list::SurfaceList;

@@ -37,13 +37,13 @@ pub struct Bsdf {
 
 impl Bsdf {
     /// The specular colour at normal incidence: of the dielectric and the metal, mixed.
-    #[inline]
+    #[inline(always)]
     pub fn f0(&self) -> Vec3 {
         Vec3::splat(normal_reflectance(self.ior)).lerp(self.base_color, self.metallic)
     }
 
     /// The part of the base colour that is scattered diffusely.
-    #[inline]
+    #[inline(always)]
     pub fn diffuse_color(&self) -> Vec3 {
         self.base_color * ((1.0 - self.metallic) * (1.0 - self.transmission))
     }
@@ -55,7 +55,7 @@ impl Bsdf {
     /// without extent: their image is a point.
     ///
     /// Source: Khronos, glTF 2.0 specification, appendix B, 2021.
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
         let cos_i = n.dot(wi);
         if !(cos_i > 0.0) {
@@ -82,7 +82,7 @@ impl Bsdf {
     /// ```text
     /// R = F + (1−F)² F (1 + F² + F⁴ + ...) = 2F/(1 + F)      T = base colour · (1 − R) · transmission
     /// ```
-    #[inline]
+    #[inline(always)]
     pub fn split(&self, cos_o: f32) -> (Vec3, Vec3) {
         let cos = cos_o.clamp(0.0, 1.0);
         let dielectric = if self.thin_walled {

@@ -1,0 +1,118 @@
+//! Hits sorted by instance, so that what one material needs is done for many hits at once.
+
+use umbriel_kernels::Hit;
+
+/// A hit and the number of its ray in the batch.
+pub(crate) type NumberedHit = (u32, Hit);
+
+/// The hits of a batch, group by group.
+#[derive(Debug, Default)]
+pub(crate) struct HitGroups {
+    /// The instances that were hit, in the order of their first hits, with the ends of their groups in `members`.
+    groups: Vec<(u32, usize)>,
+    members: Vec<NumberedHit>,
+    /// For each instance of the scene the number of its hits, then the place of its next member; all 0 between calls.
+    places: Vec<u32>,
+}
+
+impl HitGroups {
+    /// Sorts hits on `instances` instances; within a group they keep their order. Takes time in the number of hits only.
+    pub(crate) fn sort(&mut self, hits: &[Option<Hit>], instances: usize) {
+        self.groups.clear();
+        self.places.resize(instances, 0);
+        for hit in hits.iter().flatten() {
+            let count = &mut self.places[hit.instance as usize];
+            if *count == 0 {
+                self.groups.push((hit.instance, 0));
+            }
+            *count += 1;
+        }
+        let mut end = 0;
+        for (instance, group_end) in &mut self.groups {
+            let place = &mut self.places[*instance as usize];
+            let start = end;
+            end += *place as usize;
+            (*place, *group_end) = (start as u32, end);
+        }
+        self.members.resize(end, (0, NO_HIT));
+        for (i, hit) in hits.iter().enumerate() {
+            if let Some(hit) = hit {
+                let place = &mut self.places[hit.instance as usize];
+                self.members[*place as usize] = (i as u32, *hit);
+                *place += 1;
+            }
+        }
+        for (instance, _) in &self.groups {
+            self.places[*instance as usize] = 0;
+        }
+    }
+
+    /// Each instance that was hit, with its hits.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (u32, &[NumberedHit])> {
+        let mut start = 0;
+        self.groups.iter().map(move |&(instance, end)| {
+            let members = &self.members[start..end];
+            start = end;
+            (instance, members)
+        })
+    }
+}
+
+/// Fills places that are written at once.
+const NO_HIT: Hit = Hit {
+    instance: 0,
+    primitive: 0,
+    u: 0.0,
+    v: 0.0,
+    t: 0.0,
+};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_hold_every_hit_once_and_in_order() {
+        let mut groups = HitGroups::default();
+        for instances in [[7, 2, 7, 9, 2, 7], [1, 1, 3, 1, 3, 2]] {
+            let hits: Vec<Option<Hit>> = [
+                None,
+                Some(0),
+                Some(1),
+                None,
+                Some(2),
+                Some(3),
+                Some(4),
+                Some(5),
+            ]
+            .map(|i| {
+                i.map(|i: usize| Hit {
+                    instance: instances[i],
+                    primitive: i as u32,
+                    ..NO_HIT
+                })
+            })
+            .to_vec();
+            groups.sort(&hits, 10);
+            let found: Vec<(u32, Vec<u32>)> = groups
+                .iter()
+                .map(|(instance, members)| {
+                    for (i, hit) in members {
+                        assert_eq!(hits[*i as usize], Some(*hit));
+                        assert_eq!(hit.instance, instance);
+                    }
+                    (
+                        instance,
+                        members.iter().map(|(_, hit)| hit.primitive).collect(),
+                    )
+                })
+                .collect();
+            let expected = if instances[0] == 7 {
+                vec![(7, vec![0, 2, 5]), (2, vec![1, 4]), (9, vec![3])]
+            } else {
+                vec![(1, vec![0, 1, 3]), (3, vec![2, 4]), (2, vec![5])]
+            };
+            assert_eq!(found, expected);
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Shading of a block of hits of one instance: local light, and the rays that go on.
+
+use crate::{
+    MaterialId, Method, Scene, SceneBvh, Settings,
+    hit_groups::NumberedHit,
+    ray_cast,
+    surface_lanes::SurfaceLanes,
+    trace::{Queue, RayState},
+    whitted::{self, OnwardLanes},
+};
+use umbriel_kernels::{LANES, Ray, Vec3Lanes, glam::Vec3, offset_origin};
+
+/// How many surfaces with alpha one ray may pass; what lies behind more is not seen.
+const MAX_PASSES: u16 = 256;
+
+/// By what weight and in which sample the surfaces of a block are seen.
+#[derive(Debug)]
+pub(crate) struct SeenLanes {
+    pub(crate) weight: Vec3Lanes,
+    pub(crate) sample: [u32; LANES],
+}
+
+/// The buffers of a block; its functions are to be called one after the other, in their order, within
+/// [`VectorUnit::run`](umbriel_kernels::VectorUnit::run).
+#[derive(Debug)]
+pub(crate) struct ShadeBlock {
+    pub(crate) surfaces: SurfaceLanes,
+    pub(crate) seen: SeenLanes,
+    ambient: Vec3Lanes,
+    mirrored: OnwardLanes,
+    refracted: OnwardLanes,
+}
+
+impl Default for ShadeBlock {
+    fn default() -> Self {
+        Self {
+            surfaces: SurfaceLanes::default(),
+            seen: SeenLanes {
+                weight: Vec3Lanes::default(),
+                sample: [0; LANES],
+            },
+            ambient: Vec3Lanes::default(),
+            mirrored: OnwardLanes::default(),
+            refracted: OnwardLanes::default(),
+        }
+    }
+}
+
+impl ShadeBlock {
+    /// Evaluates the surfaces where the rays `members` of `queue`, which are at most [`LANES`], hit `instance`, and what
+    /// is left of the rays' weights there.
+    #[inline(always)]
+    pub(crate) fn evaluate(
+        &mut self,
+        bvh: &SceneBvh,
+        queue: &Queue,
+        instance: u32,
+        members: &[NumberedHit],
+    ) {
+        let hits = members
+            .iter()
+            .map(|(i, hit)| (&queue.rays[*i as usize], hit));
+        self.surfaces.fill(bvh, instance, hits);
+        for (lane, (i, hit)) in members.iter().enumerate().take(LANES) {
+            let state = &queue.states[*i as usize];
+            let mut weight = state.weight;
+            if let Some(medium) = state.medium {
+                weight *= bvh.scene().materials[medium.index()].absorption(hit.t);
+            }
+            self.seen.weight.set(lane, weight);
+            self.seen.sample[lane] = state.sample;
+        }
+    }
+
+    /// Pushes what is left of the rays behind partly transparent surfaces, and takes it off their weights.
+    #[inline(always)]
+    pub(crate) fn pass(&mut self, members: &[NumberedHit], queue: &Queue, next: &mut Queue) {
+        if self.surfaces.uniform.is_some_and(|bsdf| bsdf.alpha == 1.0) {
+            return;
+        }
+        for (lane, (i, _)) in members.iter().enumerate().take(LANES) {
+            let (surface, weight) = (self.surfaces.get(lane), self.seen.weight.get(lane));
+            let (ray, state) = (&queue.rays[*i as usize], &queue.states[*i as usize]);
+            if surface.bsdf.alpha < 1.0 && state.passes < MAX_PASSES {
+                let behind = RayState {
+                    weight: weight * (1.0 - surface.bsdf.alpha),
+                    passes: state.passes + 1,
+                    ..*state
+                };
+                let origin = offset_origin(surface.p, surface.error, surface.ng, ray.dir);
+                next.push(Ray::new(origin, ray.dir), behind);
+            }
+            self.seen.weight.set(lane, weight * surface.bsdf.alpha);
+        }
+    }
+
+    /// Adds the light that needs no further ray. Gives false if that is all there is.
+    #[inline(always)]
+    pub(crate) fn shade(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        radiance: &mut [Vec3],
+    ) -> bool {
+        let unlit = self.surfaces.is_unlit();
+        if !unlit {
+            match settings.method {
+                Method::RayCast => {
+                    ray_cast::shade(&scene.environment, &mut self.surfaces, &mut self.ambient);
+                }
+                Method::Whitted => {
+                    whitted::ambient(&scene.environment, &self.surfaces, &mut self.ambient);
+                }
+            }
+        }
+        for lane in 0..self.surfaces.len {
+            let bsdf = self.surfaces.get(lane).bsdf;
+            let own = if unlit {
+                bsdf.base_color
+            } else {
+                bsdf.emission + self.ambient.get(lane)
+            };
+            radiance[self.seen.sample[lane] as usize] += self.seen.weight.get(lane) * own;
+        }
+        !unlit
+    }
+
+    /// Pushes the mirrored and the refracted rays of Whitted's method. `material` is that of the surfaces.
+    #[inline(always)]
+    pub(crate) fn push(
+        &mut self,
+        settings: &Settings,
+        material: MaterialId,
+        members: &[NumberedHit],
+        queue: &Queue,
+        next: &mut Queue,
+    ) {
+        let may_go_on = |state: &RayState| u32::from(state.depth) < settings.depth;
+        let states = |i: u32| &queue.states[i as usize];
+        if settings.method == Method::RayCast || !members.iter().any(|m| may_go_on(states(m.0))) {
+            return;
+        }
+        let least = settings.min_weight;
+        let (mirrored, refracted) = (&mut self.mirrored, &mut self.refracted);
+        whitted::spawn(
+            &self.surfaces,
+            &self.seen.weight,
+            least,
+            mirrored,
+            refracted,
+        );
+        let mut push =
+            |onward: &OnwardLanes, medium: &dyn Fn(usize, &RayState) -> Option<MaterialId>| {
+                for (lane, (i, _)) in members.iter().enumerate().take(LANES) {
+                    let state = states(*i);
+                    if may_go_on(state) && onward.has_weight(lane, least) {
+                        let child = RayState {
+                            weight: onward.weight.get(lane),
+                            depth: state.depth + 1,
+                            medium: medium(lane, state),
+                            ..*state
+                        };
+                        next.push(onward.ray(lane), child);
+                    }
+                }
+            };
+        push(&self.mirrored, &|_, state| state.medium);
+        push(&self.refracted, &|lane, state| {
+            let surface = self.surfaces.get(lane);
+            if surface.bsdf.thin_walled {
+                state.medium
+            } else {
+                surface.front.then_some(material)
+            }
+        });
+    }
+}

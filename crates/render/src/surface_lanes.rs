@@ -1,0 +1,363 @@
+//! The surfaces at many hits of one instance, in lanes.
+
+use crate::{
+    Bsdf, Geometry, InstanceId, Material, Scene, SceneBvh, SurfaceInteraction,
+    surface::{material_at, side_of, surface_error, surface_interaction},
+};
+use umbriel_kernels::{
+    Hit, LANES, Lanes, PointLanes, Ray, Surface, Vec3Lanes,
+    glam::{Vec2, Vec3, Vec4},
+};
+
+/// One [`SurfaceInteraction`] a lane, all of one instance.
+///
+/// Its functions are to be called within [`VectorUnit::run`](umbriel_kernels::VectorUnit::run).
+#[derive(Debug)]
+pub(crate) struct SurfaceLanes {
+    /// Number of lanes in use, at most [`LANES`].
+    pub(crate) len: usize,
+    points: PointLanes,
+    error: Vec3Lanes,
+    shadow_p: Vec3Lanes,
+    ng: Vec3Lanes,
+    ns: Vec3Lanes,
+    wo: Vec3Lanes,
+    /// 1 in front, −1 behind.
+    side: Lanes,
+    base_color: Vec3Lanes,
+    emission: Vec3Lanes,
+    alpha: Lanes,
+    metallic: Lanes,
+    roughness: Lanes,
+    transmission: Lanes,
+    eta: Lanes,
+    ior: f32,
+    thin_walled: bool,
+    unlit: bool,
+    /// The material of all lanes, up to its `eta`, where there are no textures.
+    pub(crate) uniform: Option<Bsdf>,
+}
+
+impl Default for SurfaceLanes {
+    fn default() -> Self {
+        Self {
+            len: 0,
+            points: PointLanes::default(),
+            error: Vec3Lanes::default(),
+            shadow_p: Vec3Lanes::default(),
+            ng: Vec3Lanes::default(),
+            ns: Vec3Lanes::default(),
+            wo: Vec3Lanes::default(),
+            side: [1.0; LANES],
+            base_color: Vec3Lanes::default(),
+            emission: Vec3Lanes::default(),
+            alpha: [1.0; LANES],
+            metallic: [0.0; LANES],
+            roughness: [0.0; LANES],
+            transmission: [0.0; LANES],
+            eta: [1.0; LANES],
+            ior: 1.0,
+            thin_walled: false,
+            unlit: false,
+            uniform: None,
+        }
+    }
+}
+
+impl SurfaceLanes {
+    /// Evaluates the surfaces at `hits`, at most [`LANES`] and all of `instance`.
+    ///
+    /// Gives what [`surface_interaction`] gives for each, to the bit.
+    #[inline(always)]
+    pub(crate) fn fill<'h>(
+        &mut self,
+        bvh: &SceneBvh,
+        instance: u32,
+        hits: impl ExactSizeIterator<Item = (&'h Ray, &'h Hit)>,
+    ) {
+        self.len = hits.len().min(LANES);
+        let scene = bvh.scene();
+        let placed = &scene.instances[instance as usize];
+        let material = &scene.materials[placed.material.index()];
+        match placed.geometry {
+            Geometry::Surface(id)
+                if material.normal_texture.is_none()
+                    && bvh.placed(InstanceId(instance)).to_object.is_none() =>
+            {
+                let surface = &scene.surfaces[id.index()];
+                self.settle(surface, hits, material.is_textured());
+                self.orient(placed.inside_out);
+                self.look_up(scene, material);
+            }
+            _ => {
+                self.uniform = None;
+                for (i, (ray, hit)) in hits.enumerate() {
+                    self.set(i, &surface_interaction(bvh, ray, hit));
+                }
+            }
+        }
+    }
+
+    /// The surface of lane `i`.
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> SurfaceInteraction {
+        SurfaceInteraction {
+            p: self.points.p.get(i),
+            error: self.error.get(i),
+            shadow_p: self.shadow_p.get(i),
+            ng: self.ng.get(i),
+            ns: self.ns.get(i),
+            wo: self.wo.get(i),
+            front: self.side[i] > 0.0,
+            bsdf: Bsdf {
+                base_color: self.base_color.get(i),
+                alpha: self.alpha[i],
+                metallic: self.metallic[i],
+                roughness: self.roughness[i],
+                emission: self.emission.get(i),
+                transmission: self.transmission[i],
+                ior: self.ior,
+                eta: self.eta[i],
+                thin_walled: self.thin_walled,
+                unlit: self.unlit,
+            },
+        }
+    }
+
+    /// Whether the material shows its colour without light.
+    #[inline(always)]
+    pub(crate) fn is_unlit(&self) -> bool {
+        self.unlit
+    }
+
+    /// Lets no light through, in any lane.
+    #[inline(always)]
+    pub(crate) fn make_opaque(&mut self) {
+        self.transmission = [0.0; LANES];
+        if let Some(bsdf) = &mut self.uniform {
+            bsdf.transmission = 0.0;
+        }
+    }
+
+    fn set(&mut self, i: usize, surface: &SurfaceInteraction) {
+        self.points.p.set(i, surface.p);
+        self.error.set(i, surface.error);
+        self.shadow_p.set(i, surface.shadow_p);
+        self.ng.set(i, surface.ng);
+        self.ns.set(i, surface.ns);
+        self.wo.set(i, surface.wo);
+        self.side[i] = if surface.front { 1.0 } else { -1.0 };
+        self.set_bsdf(i, &surface.bsdf);
+    }
+
+    #[inline(always)]
+    fn set_bsdf(&mut self, i: usize, bsdf: &Bsdf) {
+        self.base_color.set(i, bsdf.base_color);
+        self.emission.set(i, bsdf.emission);
+        self.alpha[i] = bsdf.alpha;
+        self.metallic[i] = bsdf.metallic;
+        self.roughness[i] = bsdf.roughness;
+        self.transmission[i] = bsdf.transmission;
+        self.eta[i] = bsdf.eta;
+        // These have no textures.
+        self.ior = bsdf.ior;
+        self.thin_walled = bsdf.thin_walled;
+        self.unlit = bsdf.unlit;
+    }
+
+    /// Positions and normals.
+    #[inline(always)]
+    fn settle<'h>(
+        &mut self,
+        surface: &Surface,
+        hits: impl Iterator<Item = (&'h Ray, &'h Hit)>,
+        with_uv: bool,
+    ) {
+        for (i, (ray, hit)) in hits.enumerate().take(LANES) {
+            self.points.p.set(i, ray.at(hit.t));
+            self.points.part[i] = hit.primitive;
+            self.wo.set(i, -ray.dir);
+        }
+        self.points.settle(self.len, surface, with_uv);
+    }
+
+    /// Turns the normals to the side that is seen.
+    #[inline(always)]
+    fn orient(&mut self, inside_out: bool) {
+        let outwards = if inside_out { -1.0 } else { 1.0 };
+        for i in 0..self.len.min(LANES) {
+            let (p, n) = (self.points.p.get(i), outwards * self.points.n.get(i));
+            let side = side_of(self.wo.get(i), n);
+            self.side[i] = side;
+            self.ng.set(i, side * n);
+            self.ns.set(i, side * n);
+            self.shadow_p.set(i, p);
+            self.error.set(i, surface_error(p));
+        }
+    }
+
+    /// The material: once where it is the same everywhere, lane by lane where it has textures.
+    #[inline(always)]
+    fn look_up(&mut self, scene: &Scene, material: &Material) {
+        let at = |uv: Vec2, front: bool| material_at(scene, material, &[uv; 2], Vec4::ONE, front);
+        if material.is_textured() {
+            self.uniform = None;
+            for i in 0..self.len.min(LANES) {
+                let uv = Vec2::new(self.points.u[i], self.points.v[i]);
+                self.set_bsdf(i, &at(uv, self.side[i] > 0.0));
+            }
+            return;
+        }
+        let (front, back) = (at(Vec2::ZERO, true), at(Vec2::ZERO, false));
+        self.set_all(&front);
+        for i in 0..LANES {
+            self.eta[i] = if self.side[i] > 0.0 {
+                front.eta
+            } else {
+                back.eta
+            };
+        }
+    }
+
+    /// The same material in all lanes, except for `eta`.
+    #[inline(always)]
+    fn set_all(&mut self, bsdf: &Bsdf) {
+        if self.uniform == Some(*bsdf) {
+            return;
+        }
+        self.base_color = Vec3Lanes::splat(bsdf.base_color);
+        self.emission = Vec3Lanes::splat(bsdf.emission);
+        self.alpha = [bsdf.alpha; LANES];
+        self.metallic = [bsdf.metallic; LANES];
+        self.roughness = [bsdf.roughness; LANES];
+        self.transmission = [bsdf.transmission; LANES];
+        self.ior = bsdf.ior;
+        self.thin_walled = bsdf.thin_walled;
+        self.unlit = bsdf.unlit;
+        self.uniform = Some(*bsdf);
+    }
+}
+
+/// One vector a lane as a function of its surface.
+#[inline(always)]
+pub(crate) fn for_lanes(
+    surfaces: &SurfaceLanes,
+    values: &mut Vec3Lanes,
+    value: impl Fn(usize, &SurfaceInteraction) -> Vec3,
+) {
+    for i in 0..surfaces.len.min(LANES) {
+        values.set(i, value(i, &surfaces.get(i)));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Checker, Instance, MaterialId, SurfaceId, Texture, TextureId, TextureRef};
+    use umbriel_kernels::{
+        Plane, Rectangle, Sphere, Torus, VectorUnit,
+        glam::{Affine2, Affine3A},
+    };
+
+    /// Each surface with a plain and a textured material, turned inside out and moved, too.
+    fn scene() -> Scene {
+        let v = Vec3::new;
+        let mut scene = Scene {
+            surfaces: vec![
+                Surface::Sphere(Sphere {
+                    center: v(0.5, 0.2, -0.1),
+                    radius: 0.7,
+                }),
+                Surface::Plane(Plane {
+                    point: v(0.0, -1.0, 0.3),
+                    normal: v(0.1, 2.0, 0.2),
+                }),
+                Surface::Rectangle(Rectangle {
+                    center: v(0.0, 0.5, 1.0),
+                    u: v(1.0, 0.0, 0.0),
+                    v: v(0.0, 0.6, 0.8),
+                }),
+                Surface::Torus(Torus {
+                    center: v(0.0, 0.0, 2.0),
+                    axis: v(0.0, 1.0, 1.0),
+                    major_radius: 1.0,
+                    minor_radius: 0.3,
+                }),
+            ],
+            textures: vec![Texture::Checker(Checker {
+                even: v(0.2, 0.3, 0.4).extend(1.0),
+                odd: v(0.9, 0.8, 0.7).extend(0.5),
+            })],
+            materials: vec![
+                Material {
+                    transmission: 0.75,
+                    ..Material::default()
+                },
+                Material {
+                    base_color_texture: Some(TextureRef {
+                        texture: TextureId(0),
+                        uv_set: 0,
+                        transform: Affine2::from_scale(Vec2::splat(8.0)),
+                    }),
+                    ..Material::default()
+                },
+            ],
+            ..Scene::default()
+        };
+        for i in 0..32 {
+            let moved = Affine3A::from_translation(v(0.25, 0.0, 0.1));
+            scene.instances.push(Instance {
+                name: String::new(),
+                geometry: Geometry::Surface(SurfaceId(i / 8)),
+                transform: [Affine3A::IDENTITY, moved][i as usize & 1],
+                material: MaterialId(i >> 1 & 1),
+                inside_out: i & 4 != 0,
+            });
+        }
+        scene
+    }
+
+    /// A hit of every instance by a ray towards it, and one by the same ray from the other side.
+    fn hits(bvh: &SceneBvh, instance: u32) -> Vec<(Ray, Hit)> {
+        (0..50)
+            .flat_map(|k| {
+                let along = Vec3::new(0.3, 1.0, 0.2 + 0.01 * k as f32).normalize();
+                [along, -along].map(|dir| Ray::new(Vec3::new(0.2, 0.1, 0.9) - dir * 9.0, dir))
+            })
+            .filter_map(|ray| {
+                let mut alone = bvh.scene().clone();
+                alone.instances = vec![alone.instances[instance as usize].clone()];
+                let mut hit = [None];
+                SceneBvh::build(&alone).intersect(&[ray], &mut hit);
+                hit[0].map(|hit| (ray, Hit { instance, ..hit }))
+            })
+            .take(LANES)
+            .collect()
+    }
+
+    #[test]
+    fn lanes_equal_single_interactions_to_the_bit() {
+        let scene = scene();
+        let bvh = SceneBvh::build(&scene);
+        let mut lanes = SurfaceLanes::default();
+        let mut compared = 0;
+        for unit in VectorUnit::available() {
+            for instance in 0..scene.instances.len() as u32 {
+                let hits = hits(&bvh, instance);
+                unit.run(
+                    #[inline(always)]
+                    || lanes.fill(&bvh, instance, hits.iter().map(|(ray, hit)| (ray, hit))),
+                );
+                for (i, (ray, hit)) in hits.iter().enumerate() {
+                    assert_eq!(
+                        lanes.get(i),
+                        surface_interaction(&bvh, ray, hit),
+                        "{unit:?}"
+                    );
+                    compared += 1;
+                }
+            }
+        }
+        assert!(compared > 1000, "{compared}");
+    }
+}
