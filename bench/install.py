@@ -1,0 +1,76 @@
+"""Finds the peers, or installs them from Debian and PyPI and says so."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+from measure import ROOT, say
+
+FOLDER = ROOT / "bench/.peers"
+MITSUBA = "mitsuba==3.9.1"
+# Older ones abort in Mitsuba's code generation (15 and 16 on AVX-512 machines) or are untried.
+OLDEST_LLVM = 19
+
+
+class Missing(Exception):
+    """A peer is not there and cannot be installed from here."""
+
+
+def debian(package):
+    """Installs a Debian package."""
+    if shutil.which("apt-get") is None or os.geteuid() != 0:
+        raise Missing(f"{package} is missing; as root: apt-get install {package}")
+    say(f"installing from Debian: {package}")
+    command = ["apt-get", "install", "-y", "--no-install-recommends", package]
+    environment = os.environ | {"DEBIAN_FRONTEND": "noninteractive"}
+    for attempt in (command, ["apt-get", "update"], command):
+        done = subprocess.run(attempt, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        if attempt is command and done.returncode == 0:
+            return
+    raise Missing(f"apt-get install {package} failed:\n{done.stderr[-1000:]}")
+
+
+def povray():
+    """The POV-Ray program."""
+    if shutil.which("povray") is None:
+        debian("povray")
+    return "povray"
+
+
+def mitsuba():
+    """The Python that has Mitsuba 3, in a virtual environment of its own."""
+    python = FOLDER / "mitsuba/bin/python"
+    if python.exists() and subprocess.run([python, "-c", "import mitsuba"]).returncode == 0:
+        return python
+    say(f"installing from PyPI into {FOLDER.relative_to(ROOT)}: {MITSUBA} numpy")
+    FOLDER.mkdir(exist_ok=True)
+    for command in (
+        [sys.executable, "-m", "venv", FOLDER / "mitsuba"],
+        [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", MITSUBA, "numpy"],
+    ):
+        if subprocess.run(command, stdout=sys.stderr).returncode != 0:
+            raise Missing(f"cannot install Mitsuba: `{' '.join(map(str, command))}` failed")
+    return python
+
+
+def find_llvm():
+    """The newest LLVM library that Mitsuba's fast variant can use, or None."""
+    found = {}
+    for path in Path("/usr/lib").glob("*/libLLVM*.so*"):
+        version = re.fullmatch(r"libLLVM(?:-(\d+)\.so.*|\.so\.(\d+).*)", path.name)
+        if version and int(version[1] or version[2]) >= OLDEST_LLVM:
+            found[int(version[1] or version[2])] = path
+    return found[max(found)] if found else None
+
+
+def llvm():
+    """As `find_llvm`, installed if Debian has it; None, and a word about it, otherwise."""
+    if find_llvm() is None:
+        try:
+            debian(f"libllvm{OLDEST_LLVM}")
+        except Missing as error:
+            say(f"{error}\nwithout it Mitsuba is measured in its scalar variant only")
+    return find_llvm()
