@@ -76,7 +76,8 @@ impl Surface {
     }
 }
 
-/// Intersects a ray with any analytic surface: the nearest hit in the ray's interval.
+/// Intersects a ray with any analytic surface, each by the function of its kind, such as [`intersect_sphere`]: the nearest hit in
+/// the ray's interval.
 #[inline]
 pub fn intersect_surface(ray: &Ray, surface: &Surface) -> Option<SurfaceHit> {
     let whole = |t: f32| SurfaceHit { t, part: 0 };
