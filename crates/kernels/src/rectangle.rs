@@ -43,7 +43,8 @@ impl Rectangle {
     fn coordinates(&self, p: DVec3) -> (f64, f64) {
         let (u, v) = (self.u.as_dvec3(), self.v.as_dvec3());
         let n = u.cross(v);
-        (p.cross(v).dot(n) / n.dot(n), u.cross(p).dot(n) / n.dot(n))
+        let n2 = n.dot(n);
+        (p.dot(v.cross(n)) / n2, p.dot(n.cross(u)) / n2)
     }
 }
 
@@ -52,7 +53,7 @@ impl Rectangle {
 /// With `n = u × v` and `p = o + t·d − center`
 /// ```text
 /// t = (center − o)·n / (d·n)
-/// x = (p × v)·n / n·n      y = (u × p)·n / n·n      hit where |x| ≤ 1 and |y| ≤ 1
+/// x = p·(v × n) / n·n      y = p·(n × u) / n·n      hit where |x| ≤ 1 and |y| ≤ 1
 /// ```
 /// The edges belong to the rectangle. A ray parallel to it misses, also when it lies in its plane.
 /// `u` and `v` at another than the right angle give a parallelogram. Computed in f64.

@@ -112,8 +112,7 @@ fn divide(tracer: &mut Tracer, frame: &CameraFrame, cells: &[Cell], half: f32) -
 }
 
 fn trace(tracer: &mut Tracer, frame: &CameraFrame, places: &[Vec2]) -> Vec<Vec3> {
-    let rays: Vec<_> = places.iter().map(|&place| frame.ray(place)).collect();
-    let mut radiance = vec![Vec3::ZERO; rays.len()];
-    tracer.trace(&rays, &mut radiance);
+    let mut radiance = vec![Vec3::ZERO; places.len()];
+    tracer.trace(frame, places, &mut radiance);
     radiance
 }

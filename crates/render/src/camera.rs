@@ -134,7 +134,7 @@ impl CameraFrame {
     /// The ray through a point of the picture, with a unit direction.
     ///
     /// `pixel` counts from the picture's top left corner; pixel centres are at halves.
-    #[inline]
+    #[inline(always)]
     pub fn ray(&self, pixel: Vec2) -> Ray {
         let from_center = pixel - self.center;
         let aside = self.x * from_center.x + self.y * from_center.y;

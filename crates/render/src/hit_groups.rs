@@ -11,8 +11,17 @@ pub(crate) struct HitGroups {
     /// The instances that were hit, in the order of their first hits, with the ends of their groups in `members`.
     groups: Vec<(u32, usize)>,
     members: Vec<NumberedHit>,
+    runs: Vec<Run>,
     /// For each instance of the scene the number of its hits, then the place of its next member; all 0 between calls.
     places: Vec<u32>,
+}
+
+/// Neighbouring rays that hit the same instance, or nothing.
+#[derive(Debug)]
+struct Run {
+    instance: Option<u32>,
+    start: usize,
+    end: usize,
 }
 
 impl HitGroups {
@@ -20,12 +29,27 @@ impl HitGroups {
     pub(crate) fn sort(&mut self, hits: &[Option<Hit>], instances: usize) {
         self.groups.clear();
         self.places.resize(instances, 0);
-        for hit in hits.iter().flatten() {
-            let count = &mut self.places[hit.instance as usize];
-            if *count == 0 {
-                self.groups.push((hit.instance, 0));
+        self.runs.clear();
+        for (i, hit) in hits.iter().enumerate() {
+            let instance = hit.as_ref().map(|hit| hit.instance);
+            match self.runs.last_mut() {
+                Some(run) if run.instance == instance => run.end = i + 1,
+                _ => self.runs.push(Run {
+                    instance,
+                    start: i,
+                    end: i + 1,
+                }),
             }
-            *count += 1;
+        }
+        for run in &self.runs {
+            let Some(instance) = run.instance else {
+                continue;
+            };
+            let count = &mut self.places[instance as usize];
+            if *count == 0 {
+                self.groups.push((instance, 0));
+            }
+            *count += (run.end - run.start) as u32;
         }
         let mut end = 0;
         for (instance, group_end) in &mut self.groups {
@@ -35,11 +59,22 @@ impl HitGroups {
             (*place, *group_end) = (start as u32, end);
         }
         self.members.resize(end, (0, NO_HIT));
-        for (i, hit) in hits.iter().enumerate() {
-            if let Some(hit) = hit {
-                let place = &mut self.places[hit.instance as usize];
-                self.members[*place as usize] = (i as u32, *hit);
-                *place += 1;
+        for run in &self.runs {
+            let Some(instance) = run.instance else {
+                continue;
+            };
+            let place = &mut self.places[instance as usize];
+            let start = *place as usize;
+            *place += (run.end - run.start) as u32;
+            let members = &mut self.members[start..*place as usize];
+            for (i, (member, hit)) in members
+                .iter_mut()
+                .zip(&hits[run.start..run.end])
+                .enumerate()
+            {
+                if let Some(hit) = hit {
+                    *member = ((run.start + i) as u32, *hit);
+                }
             }
         }
         for (instance, _) in &self.groups {

@@ -6,14 +6,11 @@ use crate::{
 };
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use umbriel_kernels::{
-    Ray,
-    glam::{Vec2, Vec3},
-};
+use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// Height of a tile and width of a tile in pixels. Small enough that a batch stays in the cache,
 /// flat because a band of rows belongs to one thread.
-const TILE: [u32; 2] = [32, 8];
+const TILE: [u32; 2] = [64, 8];
 /// Most eye rays in a batch.
 const BATCH: usize = 1024;
 
@@ -140,28 +137,27 @@ fn render_fixed(
     seed: u64,
 ) -> Vec<Vec3> {
     let mut sums = vec![Vec3::ZERO; tile.len()];
-    let mut rays: Vec<Ray> = Vec::new();
     let batch = BATCH.min(tile.len() * spp as usize);
+    let mut places = Vec::with_capacity(batch);
     let mut radiance = vec![Vec3::ZERO; batch];
-    let mut pending = Vec::with_capacity(batch);
-    let mut flush = |rays: &mut Vec<Ray>, pending: &mut Vec<usize>| {
-        tracer.trace(rays, &mut radiance[..rays.len()]);
-        for (&pixel, &sample) in pending.iter().zip(&radiance) {
-            sums[pixel] += sample;
+    let mut traced = 0;
+    let mut flush = |places: &mut Vec<Vec2>| {
+        tracer.trace(frame, places, &mut radiance[..places.len()]);
+        for &sample in &radiance[..places.len()] {
+            sums[(traced / spp) as usize] += sample;
+            traced += 1;
         }
-        rays.clear();
-        pending.clear();
+        places.clear();
     };
-    for (i, (x, y)) in tile.pixels().enumerate() {
+    for (x, y) in tile.pixels() {
         for sample in 0..spp {
             let place = sample_pixel(x, y, sample, spp, seed);
-            rays.push(frame.ray(Vec2::new(x as f32, y as f32) + place));
-            pending.push(i);
-            if rays.len() == batch {
-                flush(&mut rays, &mut pending);
+            places.push(Vec2::new(x as f32, y as f32) + place);
+            if places.len() == batch {
+                flush(&mut places);
             }
         }
     }
-    flush(&mut rays, &mut pending);
+    flush(&mut places);
     sums.iter().map(|&sum| sum / spp as f32).collect()
 }

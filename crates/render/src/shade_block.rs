@@ -59,7 +59,7 @@ impl ShadeBlock {
     ) {
         let hits = members
             .iter()
-            .map(|(i, hit)| (&queue.rays[*i as usize], hit));
+            .map(|(i, hit)| (queue.rays[*i as usize], *hit));
         self.surfaces.fill(bvh, instance, hits);
         for (lane, (i, hit)) in members.iter().enumerate().take(LANES) {
             let state = &queue.states[*i as usize];
@@ -136,8 +136,8 @@ impl ShadeBlock {
         next: &mut Queue,
     ) {
         let may_go_on = |state: &RayState| u32::from(state.depth) < settings.depth;
-        let states = |i: u32| &queue.states[i as usize];
-        if settings.method == Method::RayCast || !members.iter().any(|m| may_go_on(states(m.0))) {
+        let states = || members.iter().map(|m| &queue.states[m.0 as usize]);
+        if settings.method == Method::RayCast || !states().any(may_go_on) {
             return;
         }
         let least = settings.min_weight;
@@ -149,29 +149,20 @@ impl ShadeBlock {
             mirrored,
             refracted,
         );
-        let mut push =
-            |onward: &OnwardLanes, medium: &dyn Fn(usize, &RayState) -> Option<MaterialId>| {
-                for (lane, (i, _)) in members.iter().enumerate().take(LANES) {
-                    let state = states(*i);
-                    if may_go_on(state) && onward.has_weight(lane, least) {
-                        let child = RayState {
-                            weight: onward.weight.get(lane),
-                            depth: state.depth + 1,
-                            medium: medium(lane, state),
-                            ..*state
-                        };
-                        next.push(onward.ray(lane), child);
-                    }
-                }
-            };
-        push(&self.mirrored, &|_, state| state.medium);
-        push(&self.refracted, &|lane, state| {
-            let surface = self.surfaces.get(lane);
-            if surface.bsdf.thin_walled {
-                state.medium
-            } else {
-                surface.front.then_some(material)
+        for (lane, state) in states().enumerate().take(LANES) {
+            if may_go_on(state) && self.mirrored.has_weight(lane, least) {
+                next.push(self.mirrored.ray(lane), self.mirrored.state(lane, state));
             }
-        });
+        }
+        for (lane, state) in states().enumerate().take(LANES) {
+            if may_go_on(state) && self.refracted.has_weight(lane, least) {
+                let medium = self.surfaces.medium_behind(lane, material, state.medium);
+                let state = RayState {
+                    medium,
+                    ..self.refracted.state(lane, state)
+                };
+                next.push(self.refracted.ray(lane), state);
+            }
+        }
     }
 }

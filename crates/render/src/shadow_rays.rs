@@ -1,9 +1,14 @@
 //! "Is it lit?" Asked by a ray to the light.
 
 use crate::{
-    AlphaMode, GlassShadows, Scene, SceneBvh, direct::Visibility, surface::surface_interaction,
+    AlphaMode, GlassShadows, Material, Scene, SceneBvh,
+    direct::Visibility,
+    hit_groups::{HitGroups, NumberedHit},
+    surface_lanes::{SurfaceLanes, for_lanes},
 };
-use umbriel_kernels::{Hit, Interval, Ray, glam::Vec3, offset_origin};
+use umbriel_kernels::{
+    Hit, Interval, LANES, Ray, Vec3Lanes, VectorUnit, glam::Vec3, offset_origin,
+};
 
 /// How often a shadow ray may pass through something; what is left then counts as blocked.
 const MAX_PASSES: usize = 64;
@@ -12,12 +17,39 @@ const MAX_PASSES: usize = 64;
 #[derive(Debug)]
 pub struct ShadowRays<'a> {
     bvh: &'a SceneBvh<'a>,
+    unit: VectorUnit,
     /// Glass weakens light instead of blocking it.
     filter_glass: bool,
     /// Something in the scene lets light through, so that a yes or no is not enough.
     translucent: bool,
     occluded: Vec<bool>,
     hits: Vec<Option<Hit>>,
+    groups: HitGroups,
+    way: Way,
+    next: Way,
+    block: Box<PassBlock>,
+}
+
+/// Rays on their way to the light, with their numbers in the batch.
+#[derive(Debug, Default)]
+struct Way {
+    rays: Vec<Ray>,
+    numbers: Vec<u32>,
+}
+
+impl Way {
+    fn clear(&mut self) {
+        self.rays.clear();
+        self.numbers.clear();
+    }
+}
+
+/// The surfaces that a block of shadow rays meets, and what passes through their glass.
+#[derive(Debug, Default)]
+struct PassBlock {
+    surfaces: SurfaceLanes,
+    through: Vec3Lanes,
+    origin: Vec3Lanes,
 }
 
 impl<'a> ShadowRays<'a> {
@@ -26,10 +58,15 @@ impl<'a> ShadowRays<'a> {
         let filter_glass = glass == GlassShadows::Filtered;
         Self {
             bvh,
+            unit: VectorUnit::default(),
             filter_glass,
             translucent: is_translucent(bvh.scene(), filter_glass),
             occluded: Vec::new(),
             hits: Vec::new(),
+            groups: HitGroups::default(),
+            way: Way::default(),
+            next: Way::default(),
+            block: Box::default(),
         }
     }
 
@@ -39,67 +76,141 @@ impl<'a> ShadowRays<'a> {
     /// [`Bsdf::split`](crate::Bsdf::split) and the absorption on the way inside.
     fn filter(&mut self, rays: &[Ray], fractions: &mut [Vec3]) {
         fractions.fill(Vec3::ONE);
-        let mut active: Vec<(usize, Ray)> = rays.iter().copied().enumerate().collect();
-        let mut batch: Vec<Ray> = Vec::new();
+        self.way.clear();
+        self.way.rays.extend_from_slice(rays);
+        self.way.numbers.extend(0..rays.len() as u32);
         for _ in 0..MAX_PASSES {
-            batch.clear();
-            batch.extend(active.iter().map(|(_, ray)| *ray));
-            self.hits.clear();
-            self.hits.resize(batch.len(), None);
-            self.bvh.intersect(&batch, &mut self.hits);
-            let mut next = Vec::new();
-            for ((i, ray), hit) in active.iter().zip(&self.hits) {
-                let Some(hit) = hit else { continue };
-                let (passed, onward) = self.pass(ray, hit);
-                fractions[*i] *= passed;
-                if fractions[*i].max_element() > 0.0 {
-                    next.push((*i, onward));
-                }
-            }
-            active = next;
-            if active.is_empty() {
+            self.hits.resize(self.way.rays.len(), None);
+            self.bvh.intersect(&self.way.rays, &mut self.hits);
+            self.groups
+                .sort(&self.hits, self.bvh.scene().instances.len());
+            self.next.clear();
+            self.pass(fractions);
+            std::mem::swap(&mut self.way, &mut self.next);
+            if self.way.rays.is_empty() {
                 return;
             }
         }
-        for (i, _) in active {
-            fractions[i] = Vec3::ZERO;
+        for &number in &self.way.numbers {
+            fractions[number as usize] = Vec3::ZERO;
         }
     }
 
-    /// What passes the surface at `hit`, and the ray behind it.
-    fn pass(&self, ray: &Ray, hit: &Hit) -> (Vec3, Ray) {
+    /// Takes what each surface holds back off the fractions, and pushes the rays behind the surfaces.
+    fn pass(&mut self, fractions: &mut [Vec3]) {
         let scene = self.bvh.scene();
-        let length = ray.dir.length();
-        let unit = Ray {
-            dir: ray.dir / length,
-            ..*ray
-        };
-        let unit_hit = Hit {
-            t: hit.t * length,
-            ..*hit
-        };
-        let surface = surface_interaction(self.bvh, &unit, &unit_hit);
-        let mut through = Vec3::ZERO;
-        if self.filter_glass {
-            (_, through) = surface.bsdf.split(surface.wo.dot(surface.ns));
-            if !surface.front {
-                let material = scene.instances[hit.instance as usize].material;
-                through *= scene.materials[material.index()].absorption(unit_hit.t);
+        for (instance, members) in self.groups.iter() {
+            let material = &scene.materials[scene.instances[instance as usize].material.index()];
+            if !lets_light_through(material, self.filter_glass) {
+                for (i, _) in members {
+                    fractions[self.way.numbers[*i as usize] as usize] = Vec3::ZERO;
+                }
+                continue;
+            }
+            for members in members.chunks(LANES) {
+                self.unit.run(
+                    #[inline(always)]
+                    || {
+                        let rays = &self.way.rays;
+                        self.block
+                            .evaluate(self.bvh, rays, instance, members, self.filter_glass);
+                    },
+                );
+                let absorbing = self.filter_glass.then_some(material);
+                self.block
+                    .apply(&self.way, members, absorbing, fractions, &mut self.next);
             }
         }
-        let alpha = surface.bsdf.alpha;
-        let origin = offset_origin(surface.p, surface.error, surface.ng, unit.dir);
-        let end = if ray.t.max <= 1.0 {
-            ray.at(1.0) - origin
-        } else {
-            ray.dir
-        };
-        let onward = Ray {
-            origin,
-            dir: end,
-            t: Interval { min: 0.0, ..ray.t },
-        };
-        (Vec3::splat(1.0 - alpha) + alpha * through, onward)
+    }
+}
+
+impl PassBlock {
+    /// What the glass lets through, without absorption, and where the rays go on.
+    #[inline(always)]
+    fn evaluate(
+        &mut self,
+        bvh: &SceneBvh,
+        rays: &[Ray],
+        instance: u32,
+        members: &[NumberedHit],
+        filter_glass: bool,
+    ) {
+        let hits = members
+            .iter()
+            .map(|(i, hit)| with_unit_direction(&rays[*i as usize], hit));
+        self.surfaces.fill(bvh, instance, hits);
+        let glass = if filter_glass { 1.0 } else { 0.0 };
+        for_lanes(
+            &self.surfaces,
+            &mut self.through,
+            #[inline(always)]
+            |_, s| {
+                let (_, through) = s.bsdf.split(s.wo.dot(s.ns));
+                s.bsdf.alpha * glass * through
+            },
+        );
+        for_lanes(
+            &self.surfaces,
+            &mut self.origin,
+            #[inline(always)]
+            |_, s| offset_origin(s.p, s.error, s.ng, -s.wo),
+        );
+    }
+
+    /// Multiplies the fractions of the rays `members` and pushes what is left of the rays. `absorbing` is the glass that
+    /// they leave.
+    fn apply(
+        &self,
+        way: &Way,
+        members: &[NumberedHit],
+        absorbing: Option<&Material>,
+        fractions: &mut [Vec3],
+        next: &mut Way,
+    ) {
+        for (lane, (i, hit)) in members.iter().enumerate() {
+            let (ray, number) = (&way.rays[*i as usize], way.numbers[*i as usize]);
+            let mut through = self.through.get(lane);
+            if let Some(glass) = absorbing
+                && !self.surfaces.is_front(lane)
+            {
+                through *= glass.absorption(hit.t * ray.dir.length());
+            }
+            let fraction = &mut fractions[number as usize];
+            *fraction *= Vec3::splat(1.0 - self.surfaces.alpha(lane)) + through;
+            if fraction.max_element() > 0.0 {
+                next.rays.push(onward(ray, self.origin.get(lane)));
+                next.numbers.push(number);
+            }
+        }
+    }
+}
+
+/// The same ray and hit, with `t` in metres.
+#[inline(always)]
+fn with_unit_direction(ray: &Ray, hit: &Hit) -> (Ray, Hit) {
+    let length = ray.dir.length();
+    let unit = Ray {
+        dir: ray.dir / length,
+        ..*ray
+    };
+    let unit_hit = Hit {
+        t: hit.t * length,
+        ..*hit
+    };
+    (unit, unit_hit)
+}
+
+/// The rest of a ray to the light, from `origin` on.
+fn onward(ray: &Ray, origin: Vec3) -> Ray {
+    let dir = if ray.t.max <= 1.0 {
+        ray.at(1.0) - origin
+    } else {
+        ray.dir
+    };
+    Ray {
+        origin,
+        dir,
+        t: Interval { min: 0.0, ..ray.t },
     }
 }
 
@@ -109,7 +220,6 @@ impl Visibility for ShadowRays<'_> {
             self.filter(rays, fractions);
             return;
         }
-        self.occluded.clear();
         self.occluded.resize(rays.len(), false);
         self.bvh.occluded(rays, &mut self.occluded);
         for (fraction, &occluded) in fractions.iter_mut().zip(&self.occluded) {
@@ -120,7 +230,10 @@ impl Visibility for ShadowRays<'_> {
 
 fn is_translucent(scene: &Scene, filter_glass: bool) -> bool {
     scene.instances.iter().any(|instance| {
-        let material = &scene.materials[instance.material.index()];
-        material.alpha_mode == AlphaMode::Blend || (filter_glass && material.transmission > 0.0)
+        lets_light_through(&scene.materials[instance.material.index()], filter_glass)
     })
+}
+
+fn lets_light_through(material: &Material, filter_glass: bool) -> bool {
+    material.alpha_mode == AlphaMode::Blend || (filter_glass && material.transmission > 0.0)
 }

@@ -1,7 +1,7 @@
 //! The surfaces at many hits of one instance, in lanes.
 
 use crate::{
-    Bsdf, Geometry, InstanceId, Material, Scene, SceneBvh, SurfaceInteraction,
+    Bsdf, Geometry, InstanceId, Material, MaterialId, Scene, SceneBvh, SurfaceInteraction,
     surface::{material_at, side_of, surface_error, surface_interaction},
 };
 use umbriel_kernels::{
@@ -69,11 +69,11 @@ impl SurfaceLanes {
     ///
     /// Gives what [`surface_interaction`] gives for each, to the bit.
     #[inline(always)]
-    pub(crate) fn fill<'h>(
+    pub(crate) fn fill(
         &mut self,
         bvh: &SceneBvh,
         instance: u32,
-        hits: impl ExactSizeIterator<Item = (&'h Ray, &'h Hit)>,
+        hits: impl ExactSizeIterator<Item = (Ray, Hit)>,
     ) {
         self.len = hits.len().min(LANES);
         let scene = bvh.scene();
@@ -92,7 +92,7 @@ impl SurfaceLanes {
             _ => {
                 self.uniform = None;
                 for (i, (ray, hit)) in hits.enumerate() {
-                    self.set(i, &surface_interaction(bvh, ray, hit));
+                    self.set(i, &surface_interaction(bvh, &ray, &hit));
                 }
             }
         }
@@ -128,6 +128,33 @@ impl SurfaceLanes {
     #[inline(always)]
     pub(crate) fn is_unlit(&self) -> bool {
         self.unlit
+    }
+
+    /// What a refracted ray of lane `i` travels in, where the body is of `inside` and the ray came through `medium`.
+    #[inline(always)]
+    pub(crate) fn medium_behind(
+        &self,
+        i: usize,
+        inside: MaterialId,
+        medium: Option<MaterialId>,
+    ) -> Option<MaterialId> {
+        if self.thin_walled {
+            medium
+        } else {
+            (self.side[i] > 0.0).then_some(inside)
+        }
+    }
+
+    /// Whether lane `i` is seen from the front.
+    #[inline(always)]
+    pub(crate) fn is_front(&self, i: usize) -> bool {
+        self.side[i] > 0.0
+    }
+
+    /// The opacity in lane `i`.
+    #[inline(always)]
+    pub(crate) fn alpha(&self, i: usize) -> f32 {
+        self.alpha[i]
     }
 
     /// Lets no light through, in any lane.
@@ -167,12 +194,7 @@ impl SurfaceLanes {
 
     /// Positions and normals.
     #[inline(always)]
-    fn settle<'h>(
-        &mut self,
-        surface: &Surface,
-        hits: impl Iterator<Item = (&'h Ray, &'h Hit)>,
-        with_uv: bool,
-    ) {
+    fn settle(&mut self, surface: &Surface, hits: impl Iterator<Item = (Ray, Hit)>, with_uv: bool) {
         for (i, (ray, hit)) in hits.enumerate().take(LANES) {
             self.points.p.set(i, ray.at(hit.t));
             self.points.part[i] = hit.primitive;
@@ -253,7 +275,7 @@ pub(crate) fn for_lanes(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Checker, Instance, MaterialId, SurfaceId, Texture, TextureId, TextureRef};
+    use crate::{Checker, Instance, SurfaceId, Texture, TextureId, TextureRef};
     use umbriel_kernels::{
         Plane, Rectangle, Sphere, Torus, VectorUnit,
         glam::{Affine2, Affine3A},
@@ -346,7 +368,7 @@ mod tests {
                 let hits = hits(&bvh, instance);
                 unit.run(
                     #[inline(always)]
-                    || lanes.fill(&bvh, instance, hits.iter().map(|(ray, hit)| (ray, hit))),
+                    || lanes.fill(&bvh, instance, hits.iter().copied()),
                 );
                 for (i, (ray, hit)) in hits.iter().enumerate() {
                     assert_eq!(

@@ -1,10 +1,13 @@
 //! The queue of weighted rays: the loop that all ray methods share.
 
 use crate::{
-    MaterialId, SceneBvh, Settings, ShadowRays, Unshadowed, direct::DirectLight,
+    CameraFrame, MaterialId, SceneBvh, Settings, ShadowRays, Unshadowed, direct::DirectLight,
     hit_groups::HitGroups, shade_block::ShadeBlock,
 };
-use umbriel_kernels::{Hit, LANES, Ray, VectorUnit, glam::Vec3};
+use umbriel_kernels::{
+    Hit, LANES, Ray, Vec3Lanes, VectorUnit,
+    glam::{Vec2, Vec3},
+};
 
 /// What a queued ray carries beside its geometry.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +36,27 @@ impl Queue {
     pub(crate) fn push(&mut self, ray: Ray, state: RayState) {
         self.rays.push(ray);
         self.states.push(state);
+    }
+
+    /// Pushes the rays through at most [`LANES`] places of the picture, one a sample.
+    #[inline(always)]
+    fn push_eye_rays(&mut self, frame: &CameraFrame, places: &[Vec2]) {
+        let (mut origin, mut dir) = (Vec3Lanes::default(), Vec3Lanes::default());
+        for (i, &place) in places.iter().enumerate().take(LANES) {
+            let ray = frame.ray(place);
+            origin.set(i, ray.origin);
+            dir.set(i, ray.dir);
+        }
+        for i in 0..places.len().min(LANES) {
+            let state = RayState {
+                weight: Vec3::ONE,
+                sample: self.rays.len() as u32,
+                depth: 0,
+                passes: 0,
+                medium: None,
+            };
+            self.push(Ray::new(origin.get(i), dir.get(i)), state);
+        }
     }
 
     fn clear(&mut self) {
@@ -83,21 +107,17 @@ impl<'a> Tracer<'a> {
         self.direct.shadow_rays
     }
 
-    /// The radiance along each ray, in nit. `eye` rays have unit directions; `radiance` is as long as `eye`.
+    /// The radiance that the camera sees at each of `places` in the picture, in nit. `radiance` is as long as `places`.
     ///
     /// Contributions are added in an order that depends on the batch only, not on how it is run.
-    pub(crate) fn trace(&mut self, eye: &[Ray], radiance: &mut [Vec3]) {
+    pub(crate) fn trace(&mut self, frame: &CameraFrame, places: &[Vec2], radiance: &mut [Vec3]) {
         radiance.fill(Vec3::ZERO);
         self.queue.clear();
-        for (sample, &ray) in eye.iter().enumerate() {
-            let state = RayState {
-                weight: Vec3::ONE,
-                sample: sample as u32,
-                depth: 0,
-                passes: 0,
-                medium: None,
-            };
-            self.queue.push(ray, state);
+        for places in places.chunks(LANES) {
+            self.unit.run(
+                #[inline(always)]
+                || self.queue.push_eye_rays(frame, places),
+            );
         }
         while !self.queue.rays.is_empty() {
             self.intersect();

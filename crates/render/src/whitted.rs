@@ -7,6 +7,7 @@ use crate::{
     fresnel::{reflect, refract},
     ray_cast::ambient_reflection,
     surface_lanes::{SurfaceLanes, for_lanes},
+    trace::RayState,
 };
 use umbriel_kernels::{LANES, Ray, Vec3Lanes, glam::Vec3, offset_origin};
 
@@ -53,6 +54,16 @@ impl OnwardLanes {
     #[inline(always)]
     pub(crate) fn ray(&self, i: usize) -> Ray {
         Ray::new(self.origin.get(i), self.dir.get(i))
+    }
+
+    /// The state of lane `i` where `parent` is that of the ray which came here.
+    #[inline(always)]
+    pub(crate) fn state(&self, i: usize, parent: &RayState) -> RayState {
+        RayState {
+            weight: self.weight.get(i),
+            depth: parent.depth + 1,
+            ..*parent
+        }
     }
 
     #[inline(always)]

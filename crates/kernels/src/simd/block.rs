@@ -6,10 +6,10 @@ use glam::DVec3;
 /// Rays in a block.
 pub(super) const BLOCK: usize = 64;
 
-/// A block of rays in f64, the precision of the slides of analytic surfaces.
+/// A block of rays.
 pub(super) struct RayBlock {
-    origin: [[f64; BLOCK]; 3],
-    dir: [[f64; BLOCK]; 3],
+    origin: [[f32; BLOCK]; 3],
+    dir: [[f32; BLOCK]; 3],
     /// Excluded lower ends of the intervals.
     pub(super) t_min: [f32; BLOCK],
     /// Included upper ends, lowered as hits are found.
@@ -31,8 +31,8 @@ impl RayBlock {
         };
         for (i, ray) in rays.iter().enumerate() {
             for axis in 0..3 {
-                block.origin[axis][i] = f64::from(ray.origin[axis]);
-                block.dir[axis][i] = f64::from(ray.dir[axis]);
+                block.origin[axis][i] = ray.origin[axis];
+                block.dir[axis][i] = ray.dir[axis];
             }
             block.t_min[i] = ray.t.min;
             block.t_max[i] = ray.t.max;
@@ -40,12 +40,13 @@ impl RayBlock {
         block
     }
 
+    /// Origin and direction of a lane in f64, the precision of the slides of analytic surfaces.
     #[inline(always)]
     fn lane(&self, i: usize) -> (DVec3, DVec3) {
-        (
-            DVec3::new(self.origin[0][i], self.origin[1][i], self.origin[2][i]),
-            DVec3::new(self.dir[0][i], self.dir[1][i], self.dir[2][i]),
-        )
+        let wide = |v: &[[f32; BLOCK]; 3]| {
+            DVec3::new(f64::from(v[0][i]), f64::from(v[1][i]), f64::from(v[2][i]))
+        };
+        (wide(&self.origin), wide(&self.dir))
     }
 
     /// [`Interval::contains`](crate::Interval::contains) of a lane.
@@ -70,19 +71,34 @@ impl RayBlock {
 pub(super) fn intersect_sphere_block(rays: &RayBlock, sphere: &Sphere, t: &mut Distances) {
     let center = sphere.center.as_dvec3();
     let r = f64::from(sphere.radius);
-    for (i, t) in t.iter_mut().enumerate() {
+    let (mut a, mut b, mut c) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+    let mut delta = [0.0; BLOCK];
+    let mut any = false;
+    for i in 0..BLOCK {
         let (o, d) = rays.lane(i);
         let f = o - center;
-        let a = d.dot(d);
-        let b = f.dot(d);
-        let c = f.dot(f) - r * r;
-        let delta = a * (r * r) - f.cross(d).length_squared();
-        let hit = !((c > 0.0) & (b > 0.0)) & (delta >= 0.0);
-        let q = -b - delta.sqrt().copysign(b);
-        let (t1, t2) = (q / a, c / q);
+        a[i] = d.dot(d);
+        b[i] = f.dot(d);
+        c[i] = f.dot(f) - r * r;
+        // Negative for a miss.
+        delta[i] = if (c[i] > 0.0) & (b[i] > 0.0) {
+            -1.0
+        } else {
+            a[i] * (r * r) - f.cross(d).length_squared()
+        };
+        any |= delta[i] >= 0.0;
+    }
+    // Rays of a block often go the same way, and all past the sphere.
+    if !any {
+        *t = [f32::INFINITY; BLOCK];
+        return;
+    }
+    for (i, t) in t.iter_mut().enumerate() {
+        let q = -b[i] - delta[i].sqrt().copysign(b[i]);
+        let (t1, t2) = (q / a[i], c[i] / q);
         let (near, far) = (t1.min(t2) as f32, t1.max(t2) as f32);
         let nearest = if rays.contains(i, near) { near } else { far };
-        *t = rays.accept(i, hit, nearest);
+        *t = rays.accept(i, delta[i] >= 0.0, nearest);
     }
 }
 
@@ -106,14 +122,15 @@ pub(super) fn intersect_rectangle_block(rays: &RayBlock, rectangle: &Rectangle, 
     let (u, v) = (rectangle.u.as_dvec3(), rectangle.v.as_dvec3());
     let n = u.cross(v);
     let n2 = n.dot(n);
+    let (to_x, to_y) = (v.cross(n), n.cross(u));
     for (i, t) in t.iter_mut().enumerate() {
         let (o, d) = rays.lane(i);
         let f = o - center;
         let denominator = d.dot(n);
         let along = -f.dot(n) / denominator;
         let p = f + along * d;
-        let x = p.cross(v).dot(n) / n2;
-        let y = u.cross(p).dot(n) / n2;
+        let x = p.dot(to_x) / n2;
+        let y = p.dot(to_y) / n2;
         let hit = (denominator != 0.0)
             & (denominator.abs() < f64::INFINITY)
             & (x.abs() <= 1.0)
