@@ -1,6 +1,7 @@
 //! From linear light to bytes: exposure, tone curves, the sRGB transfer curve.
 
 use crate::Image;
+use rayon::prelude::*;
 use std::sync::LazyLock;
 use umbriel_kernels::glam::{Mat3, Vec3};
 
@@ -24,18 +25,19 @@ pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 /// The linear value of an sRGB byte. Source: IEC 61966-2-1, 1999.
 #[inline]
 pub fn srgb_to_linear(byte: u8) -> f32 {
-    static TABLE: LazyLock<[f32; 256]> = LazyLock::new(|| {
-        std::array::from_fn(|i| {
-            let v = i as f64 / 255.0;
-            let linear = if v <= 0.04045 {
-                v / 12.92
-            } else {
-                ((v + 0.055) / 1.055).powf(2.4)
-            };
-            linear as f32
-        })
-    });
+    static TABLE: LazyLock<[f32; 256]> =
+        LazyLock::new(|| std::array::from_fn(|i| decode_srgb(i as f64 / 255.0)));
     TABLE[usize::from(byte)]
+}
+
+/// The linear value of `v` in `[0, 1]` on the sRGB curve. Source: IEC 61966-2-1, 1999.
+fn decode_srgb(v: f64) -> f32 {
+    let linear = if v <= 0.04045 {
+        v / 12.92
+    } else {
+        ((v + 0.055) / 1.055).powf(2.4)
+    };
+    linear as f32
 }
 
 /// The nearest sRGB byte of a linear value; below 0 and NaN become 0, above 1 becomes 255.
@@ -43,39 +45,78 @@ pub fn srgb_to_linear(byte: u8) -> f32 {
 /// Source: IEC 61966-2-1, 1999.
 #[inline]
 pub fn linear_to_srgb(linear: f32) -> u8 {
-    /// `BOUNDS[i]` is the least linear value whose nearest byte is `i + 1`.
-    static BOUNDS: LazyLock<[f32; 255]> = LazyLock::new(|| {
-        std::array::from_fn(|i| {
-            let v = (i as f64 + 0.5) / 255.0;
-            let linear = if v <= 0.04045 {
-                v / 12.92
-            } else {
-                ((v + 0.055) / 1.055).powf(2.4)
-            };
-            linear as f32
-        })
-    });
-    BOUNDS.partition_point(|&bound| bound <= linear) as u8
+    static ENCODER: LazyLock<SrgbEncoder> = LazyLock::new(SrgbEncoder::new);
+    ENCODER.encode(linear)
+}
+
+/// Finds the nearest byte by the upper bits of a float and one comparison.
+struct SrgbEncoder {
+    /// `bounds[i]` is the least linear value whose nearest byte is `i + 1`; no value reaches the last.
+    bounds: [f32; 256],
+    /// The byte of the least float of each class of equal upper bits, from that of `LEAST` to that of 1.
+    bytes: Vec<u8>,
+}
+
+impl SrgbEncoder {
+    /// A power of two below the first bound.
+    const LEAST: f32 = 1.0 / 8192.0;
+    /// Lower bits that a class leaves out. Seven bits of the mantissa remain: a class is at most 1/128 of its values
+    /// wide, which is less than the distance of two bounds anywhere, so that no class holds more than one.
+    const SHIFT: u32 = 16;
+
+    fn new() -> Self {
+        let mut bounds = [f32::INFINITY; 256];
+        for (i, bound) in bounds[..255].iter_mut().enumerate() {
+            *bound = decode_srgb((i as f64 + 0.5) / 255.0);
+        }
+        let classes = Self::class(Self::LEAST)..=Self::class(1.0);
+        let bytes = classes.map(|class| {
+            let least = f32::from_bits(class << Self::SHIFT);
+            bounds.partition_point(|&bound| bound <= least) as u8
+        });
+        Self {
+            bytes: bytes.collect(),
+            bounds,
+        }
+    }
+
+    fn class(linear: f32) -> u32 {
+        linear.to_bits() >> Self::SHIFT
+    }
+
+    #[inline]
+    fn encode(&self, linear: f32) -> u8 {
+        // The first comparison fails for NaN, too.
+        let inside = if linear > Self::LEAST {
+            linear.min(1.0)
+        } else {
+            Self::LEAST
+        };
+        let byte = self.bytes[(Self::class(inside) - Self::class(Self::LEAST)) as usize];
+        byte + u8::from(self.bounds[usize::from(byte)] <= inside)
+    }
 }
 
 /// Brings a linear picture to sRGB bytes with alpha: exposure in stops (each doubles the light), tone curve, transfer curve.
 pub fn develop(image: &Image, exposure: f32, tonemap: Tonemap) -> Vec<[u8; 4]> {
     let gain = exposure.exp2();
+    let encoder = SrgbEncoder::new();
+    let pixel = |&[r, g, b, a]: &[f32; 4]| {
+        let color = apply_tonemap(Vec3::new(r, g, b) * gain, tonemap);
+        let alpha = (a.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        let [r, g, b] = color.to_array().map(|linear| encoder.encode(linear));
+        [r, g, b, alpha]
+    };
     image
         .pixels
-        .iter()
-        .map(|&[r, g, b, a]| {
-            let color = apply_tonemap(Vec3::new(r, g, b) * gain, tonemap);
-            let alpha = (a.clamp(0.0, 1.0) * 255.0).round() as u8;
-            [
-                linear_to_srgb(color.x),
-                linear_to_srgb(color.y),
-                linear_to_srgb(color.z),
-                alpha,
-            ]
-        })
+        .par_iter()
+        .with_min_len(LEAST_SHARE)
+        .map(pixel)
         .collect()
 }
+
+/// Pixels worth another thread.
+const LEAST_SHARE: usize = 4096;
 
 /// The exposure in stops that brings the picture's bright parts just below white.
 ///
@@ -190,6 +231,22 @@ mod tests {
         assert_eq!(linear_to_srgb(f32::NAN), 0);
         assert_eq!(linear_to_srgb(-1.0), 0);
         assert_eq!(linear_to_srgb(f32::INFINITY), 255);
+    }
+
+    /// Against the definition, at every bound and at every class of upper bits.
+    #[test]
+    fn encoder_finds_the_nearest_byte() {
+        let encoder = SrgbEncoder::new();
+        let nearest = |linear: f32| encoder.bounds.partition_point(|&bound| bound <= linear) as u8;
+        let classes = (0..=f32::INFINITY.to_bits())
+            .step_by(1 << 12)
+            .map(f32::from_bits);
+        let bounds = encoder.bounds.iter().copied();
+        for value in classes.chain(bounds).filter(|v| v.is_finite()) {
+            for v in [value.next_down(), value, value.next_up(), -value] {
+                assert_eq!(encoder.encode(v), nearest(v), "{v}");
+            }
+        }
     }
 
     #[test]

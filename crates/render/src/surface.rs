@@ -1,6 +1,8 @@
 //! From a hit to everything that shading needs: position, normals, material at the point.
 
-use crate::{AlphaMode, Bsdf, Geometry, Instance, Material, Mesh, Scene, SceneBvh, TextureRef};
+use crate::{
+    AlphaMode, Bsdf, Geometry, Instance, Material, Scene, SceneBvh, TextureRef, mesh_point::mesh_point,
+};
 use umbriel_kernels::{
     Hit, Ray, gamma,
     glam::{Affine3A, Mat3, Vec2, Vec3, Vec4},
@@ -29,17 +31,17 @@ pub struct SurfaceInteraction {
 }
 
 /// Attributes of a point in the instance's own space.
-struct ObjectPoint {
-    p: Vec3,
-    error: Vec3,
+pub(crate) struct ObjectPoint {
+    pub(crate) p: Vec3,
+    pub(crate) error: Vec3,
     /// Added to `p` for shadow rays.
-    lift: Vec3,
-    ng: Vec3,
-    ns: Vec3,
+    pub(crate) lift: Vec3,
+    pub(crate) ng: Vec3,
+    pub(crate) ns: Vec3,
     /// Along growing u, with the bitangent's sign.
-    tangent: Vec4,
-    uvs: [Vec2; 2],
-    color: Vec4,
+    pub(crate) tangent: Vec4,
+    pub(crate) uvs: [Vec2; 2],
+    pub(crate) color: Vec4,
 }
 
 /// Evaluates the surface at a hit. `ray` is the world-space ray of unit direction that found it.
@@ -59,17 +61,18 @@ pub fn surface_interaction(bvh: &SceneBvh, ray: &Ray, hit: &Hit) -> SurfaceInter
     if instance.inside_out {
         point.ng = -point.ng;
         point.ns = -point.ns;
-        point.lift = Vec3::ZERO;
     }
     let wo = -ray.dir;
     let side = side_of(wo, point.ng);
     let front = side > 0.0;
+    // Near silhouettes of smooth meshes the interpolated normal may point away from the viewer.
+    let (ng, ns) = (side * point.ng, side * point.ns);
     SurfaceInteraction {
         p: point.p,
         error: point.error,
-        shadow_p: point.p + side * point.lift,
-        ng: side * point.ng,
-        ns: side * point.ns,
+        shadow_p: point.p + point.lift,
+        ng,
+        ns: if ns.dot(wo) > 0.0 { ns } else { ng },
         wo,
         front,
         bsdf: material_at(scene, material, &point.uvs, point.color, front),
@@ -92,7 +95,11 @@ pub(crate) fn alpha_at(scene: &Scene, object_ray: &Ray, hit: &Hit) -> f32 {
 
 fn object_point(scene: &Scene, instance: &Instance, object_ray: &Ray, hit: &Hit) -> ObjectPoint {
     match instance.geometry {
-        Geometry::Mesh(id) => mesh_point(&scene.meshes[id.index()], hit),
+        Geometry::Mesh(id) => {
+            let material = &scene.materials[instance.material.index()];
+            let uv_set = material.normal_texture.map_or(0, |texture| texture.uv_set);
+            mesh_point(&scene.meshes[id.index()], object_ray, hit, uv_set)
+        }
         Geometry::Surface(id) if !scene.materials[instance.material.index()].is_textured() => {
             let (p, n) = scene.surfaces[id.index()].normal_at(hit.primitive, object_ray.at(hit.t));
             ObjectPoint {
@@ -115,96 +122,23 @@ fn object_point(scene: &Scene, instance: &Instance, object_ray: &Ray, hit: &Hit)
                 ng: at.n,
                 ns: at.n,
                 tangent: at.tangent.extend(1.0),
-                uvs: [at.uv; 2],
+                uvs: [image_uv(at.uv); 2],
                 color: Vec4::ONE,
             }
         }
     }
 }
 
+/// From a surface's coordinates, whose v grows upwards, to an image's, whose v grows downwards.
+#[inline(always)]
+pub(crate) fn image_uv(uv: Vec2) -> Vec2 {
+    Vec2::new(uv.x, 1.0 - uv.y)
+}
+
 /// Moved onto the surface in f64 and rounded once; the rest is for the normal's rounding.
 #[inline(always)]
 pub(crate) fn surface_error(p: Vec3) -> Vec3 {
     p.abs() * gamma(4) + Vec3::splat(f32::MIN_POSITIVE)
-}
-
-fn mesh_point(mesh: &Mesh, hit: &Hit) -> ObjectPoint {
-    let corners = mesh.indices[hit.primitive as usize].map(|i| i as usize);
-    let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-    let triangle = mesh.triangle(hit.primitive as usize);
-    let positions = [triangle.a, triangle.b, triangle.c];
-    let parts: [Vec3; 3] = std::array::from_fn(|k| weights[k] * positions[k]);
-    let p = parts[0] + parts[1] + parts[2];
-    let ng = triangle.normal().normalize();
-
-    let (mut ns, mut lift) = (ng, Vec3::ZERO);
-    if !mesh.normals.is_empty() {
-        let normals = corners.map(|i| mesh.normals[i]);
-        ns = interpolate(&normals, weights).normalize_or(ng);
-        lift = terminator_lift(p, positions, normals, weights);
-    }
-    let uvs = [0, 1].map(|set| match &mesh.uvs[set] {
-        uvs if uvs.is_empty() => Vec2::ZERO,
-        uvs => corners.iter().zip(weights).map(|(&i, w)| w * uvs[i]).sum(),
-    });
-    ObjectPoint {
-        p,
-        // Three products, two sums and the rounding of the weights, whose sum is not quite 1.
-        error: (parts[0].abs() + parts[1].abs() + parts[2].abs()) * gamma(8)
-            + Vec3::splat(f32::MIN_POSITIVE),
-        lift,
-        ng,
-        ns,
-        tangent: mesh_tangent(mesh, corners, weights, positions),
-        uvs,
-        color: match &mesh.colors {
-            colors if colors.is_empty() => Vec4::ONE,
-            colors => corners
-                .iter()
-                .zip(weights)
-                .map(|(&i, w)| w * colors[i])
-                .sum(),
-        },
-    }
-}
-
-fn interpolate(values: &[Vec3; 3], weights: [f32; 3]) -> Vec3 {
-    values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
-}
-
-/// From the flat triangle to the curved surface that its vertex normals describe.
-///
-/// Each vertex's tangent plane lifts `p` by its distance below the plane; the three are interpolated. Without it the
-/// faces of a smooth mesh shadow each other in bands where light grazes.
-///
-/// Source: Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4, 2021.
-fn terminator_lift(p: Vec3, positions: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
-    let lifts = std::array::from_fn(|k| {
-        let below = (p - positions[k]).dot(normals[k]).min(0.0);
-        normals[k] * -below
-    });
-    interpolate(&lifts, weights)
-}
-
-/// The mesh's own tangent, or the direction in which u grows on the triangle; +x where neither is known.
-///
-/// Source of the second: Lengyel, "Foundations of Game Engine Development 2", 2019, section 7.5.
-fn mesh_tangent(mesh: &Mesh, corners: [usize; 3], weights: [f32; 3], positions: [Vec3; 3]) -> Vec4 {
-    if !mesh.tangents.is_empty() {
-        let tangents = corners.map(|i| mesh.tangents[i]);
-        let direction = interpolate(&tangents.map(Vec4::truncate), weights);
-        return direction.extend(tangents[0].w);
-    }
-    if mesh.uvs[0].is_empty() {
-        return Vec3::X.extend(1.0);
-    }
-    let [a, b, c] = corners.map(|i| mesh.uvs[0][i]);
-    let (e1, e2) = (positions[1] - positions[0], positions[2] - positions[0]);
-    let (d1, d2) = (b - a, c - a);
-    // v grows downwards in the image, so a picture that is not mirrored has a negative determinant.
-    let determinant = d1.perp_dot(d2);
-    let direction = (e1 * d2.y - e2 * d1.y) * determinant.signum();
-    direction.extend(if determinant < 0.0 { 1.0 } else { -1.0 })
 }
 
 /// Moves a point to world space and adds what the rounding of the transform, and of the way back that
@@ -251,7 +185,7 @@ fn bend_normal(
 }
 
 /// A texture's value, or all ones where there is none.
-#[inline]
+#[inline(always)]
 fn sample(scene: &Scene, texture: &Option<TextureRef>, uvs: &[Vec2; 2]) -> Vec4 {
     match texture {
         Some(t) => scene.textures[t.texture.index()]
@@ -261,7 +195,7 @@ fn sample(scene: &Scene, texture: &Option<TextureRef>, uvs: &[Vec2; 2]) -> Vec4 
 }
 
 /// Looks the material's textures up; `front` decides whether light enters or leaves.
-#[inline]
+#[inline(always)]
 pub(crate) fn material_at(
     scene: &Scene,
     material: &Material,

@@ -74,7 +74,7 @@ pub struct ImageTexture {
 
 impl Texture {
     /// The linear colour and alpha at texture coordinates `uv`.
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, uv: Vec2) -> Vec4 {
         match self {
             Self::Checker(checker) => eval_checker(checker, uv),
@@ -86,7 +86,7 @@ impl Texture {
 /// `even` where `⌊u⌋ + ⌊v⌋` is even, `odd` elsewhere.
 ///
 /// Floats above 2²⁴ are all even: a checker that far away is one colour.
-#[inline]
+#[inline(always)]
 fn eval_checker(checker: &Checker, uv: Vec2) -> Vec4 {
     let sum = uv.x.floor() + uv.y.floor();
     if (0.5 * sum).fract() == 0.0 {
