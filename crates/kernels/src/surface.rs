@@ -69,11 +69,6 @@ impl Surface {
         let point = self.point_at(part, p);
         (point.p, point.n)
     }
-
-    /// Tells whether the surface encloses a volume, so that glass made of it bends light.
-    pub fn is_closed(&self) -> bool {
-        !matches!(self, Self::Plane(_) | Self::Disk(_) | Self::Rectangle(_))
-    }
 }
 
 /// Intersects a ray with any analytic surface, each by the function of its kind, such as [`intersect_sphere`]: the nearest hit in

@@ -2,7 +2,7 @@
 
 use crate::offset::gamma;
 use crate::{Aabb, Interval, Ray, TriangleHit};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// A triangle; its front is the side from which `a`, `b`, `c` run counter-clockwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,10 +27,19 @@ impl Triangle {
     /// depend on the corner one starts with, swapping two corners flips its sign, and it is exactly
     /// zero for corners on a line.
     pub fn normal(&self) -> Vec3 {
+        self.area_vector().as_vec3()
+    }
+
+    /// Unit normal on the side from which the corners run counter-clockwise; +x for a triangle without area.
+    ///
+    /// Computed in f64, so that neither tiny triangles nor slivers lose it.
+    pub fn unit_normal(&self) -> Vec3 {
+        self.area_vector().normalize_or(DVec3::X).as_vec3()
+    }
+
+    fn area_vector(&self) -> DVec3 {
         let a = self.a.as_dvec3();
-        (self.b.as_dvec3() - a)
-            .cross(self.c.as_dvec3() - a)
-            .as_vec3()
+        (self.b.as_dvec3() - a).cross(self.c.as_dvec3() - a)
     }
 }
 

@@ -17,11 +17,11 @@ use umbriel_kernels::glam::Vec3;
 #[inline(always)]
 pub fn fresnel_dielectric(cos_i: f32, eta: f32) -> f32 {
     let sin2_t = (1.0 - cos_i * cos_i) / (eta * eta);
-    if sin2_t >= 1.0 {
-        return 1.0;
-    }
     if eta == 1.0 {
         return 0.0;
+    }
+    if sin2_t >= 1.0 {
+        return 1.0;
     }
     let cos_t = (1.0 - sin2_t).sqrt();
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
@@ -103,6 +103,7 @@ mod tests {
         assert!((fresnel_dielectric(0.0, 1.5) - 1.0).abs() < 1e-6);
         assert_eq!(fresnel_dielectric(0.5, 1.0 / 1.5), 1.0);
         assert_eq!(fresnel_dielectric(0.3, 1.0), 0.0);
+        assert_eq!(fresnel_dielectric(0.0, 1.0), 0.0);
     }
 
     #[test]

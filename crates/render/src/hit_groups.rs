@@ -8,7 +8,7 @@ pub(crate) type NumberedHit = (u32, Hit);
 /// The hits of a batch, group by group.
 #[derive(Debug, Default)]
 pub(crate) struct HitGroups {
-    /// The instances that were hit, in the order of their first hits, with the ends of their groups in `members`.
+    /// The instances that were hit, in rising order, with the ends of their groups in `members`.
     groups: Vec<(u32, usize)>,
     members: Vec<NumberedHit>,
     runs: Vec<Run>,
@@ -51,6 +51,8 @@ impl HitGroups {
             }
             *count += (run.end - run.start) as u32;
         }
+        // In an order that is the hits' own: sums must not depend on what else is in the batch.
+        self.groups.sort_unstable();
         let mut end = 0;
         for (instance, group_end) in &mut self.groups {
             let place = &mut self.places[*instance as usize];
@@ -143,9 +145,9 @@ mod tests {
                 })
                 .collect();
             let expected = if instances[0] == 7 {
-                vec![(7, vec![0, 2, 5]), (2, vec![1, 4]), (9, vec![3])]
+                vec![(2, vec![1, 4]), (7, vec![0, 2, 5]), (9, vec![3])]
             } else {
-                vec![(1, vec![0, 1, 3]), (3, vec![2, 4]), (2, vec![5])]
+                vec![(1, vec![0, 1, 3]), (2, vec![5]), (3, vec![2, 4])]
             };
             assert_eq!(found, expected);
         }

@@ -39,6 +39,7 @@ mod image;
 mod light;
 mod material;
 mod mesh;
+mod mesh_point;
 mod ray_cast;
 mod render;
 mod sampler;

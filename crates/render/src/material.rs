@@ -71,7 +71,8 @@ pub struct Material {
     pub attenuation_distance: f32,
     /// What alpha means.
     pub alpha_mode: AlphaMode,
-    /// Back faces are shaded as fronts; otherwise they are still seen, with the normal turned.
+    /// Triangles are seen from behind, too, as fronts. Otherwise no ray meets them from behind, as in glTF; surfaces
+    /// that are no meshes and glass, which light must leave again, are always there.
     pub double_sided: bool,
     /// Shows its base colour as it is, without any light (KHR_materials_unlit).
     pub unlit: bool,
@@ -99,13 +100,18 @@ impl Default for Material {
             attenuation_color: Vec3::ONE,
             attenuation_distance: f32::INFINITY,
             alpha_mode: AlphaMode::Opaque,
-            double_sided: false,
+            double_sided: true,
             unlit: false,
         }
     }
 }
 
 impl Material {
+    /// Tells whether triangles of the material are there from behind.
+    pub(crate) fn shows_back(&self) -> bool {
+        self.double_sided || self.transmission > 0.0
+    }
+
     /// Tells whether anything of the material depends on texture coordinates.
     pub fn is_textured(&self) -> bool {
         let textures = [

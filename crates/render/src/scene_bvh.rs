@@ -33,7 +33,7 @@ pub(crate) struct Placed<'a> {
     shape: Shape<'a>,
     /// World to object space; `None` where both are the same.
     pub(crate) to_object: Option<Affine3A>,
-    /// Its material has holes that depend on the place.
+    /// Not everything that is hit is there: its material has masked holes, or is not seen from behind.
     holes: bool,
 }
 
@@ -88,7 +88,8 @@ impl<'a> SceneBvh<'a> {
 
     /// The first thing that each ray meets.
     ///
-    /// Holes of materials with [`AlphaMode::Mask`] are not met. `hits` is as long as `rays`.
+    /// Holes of materials with [`AlphaMode::Mask`] and the backs of single-sided meshes are not met. `hits` is as long
+    /// as `rays`.
     pub fn intersect(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len());
         if let Some(list) = &self.handful {
@@ -146,7 +147,9 @@ impl<'a> SceneBvh<'a> {
         let mut object_ray = placed.object_ray(ray);
         match &placed.shape {
             Shape::Surface(surface) => {
-                if let Some(found) = intersect_surface(&object_ray, surface) {
+                // Behind a hole the surface may be hit again.
+                let mut rest = object_ray;
+                while let Some(found) = intersect_surface(&rest, surface) {
                     let hit = Hit {
                         instance: k,
                         primitive: found.part,
@@ -155,6 +158,10 @@ impl<'a> SceneBvh<'a> {
                         t: found.t,
                     };
                     accept(&mut object_ray, hit);
+                    if !placed.holes || object_ray.t.max == found.t {
+                        break;
+                    }
+                    rest.t.min = found.t;
                 }
             }
             Shape::Mesh { mesh, bvh } => {
@@ -199,10 +206,19 @@ impl<'a> SceneBvh<'a> {
         }
     }
 
-    /// Tells whether the material has a hole at the hit of this object-space ray.
+    /// Tells whether nothing is there at the hit of this object-space ray: a masked hole, or the back of a triangle
+    /// that has only a front.
     fn is_hole(&self, object_ray: &Ray, hit: &Hit) -> bool {
-        let material =
-            &self.scene.materials[self.scene.instances[hit.instance as usize].material.index()];
+        let instance = &self.scene.instances[hit.instance as usize];
+        let material = &self.scene.materials[instance.material.index()];
+        if let Geometry::Mesh(id) = instance.geometry
+            && !material.shows_back()
+        {
+            let normal = self.scene.meshes[id.index()].triangle(hit.primitive as usize).normal();
+            if (normal.dot(object_ray.dir) > 0.0) != instance.inside_out {
+                return true;
+            }
+        }
         match material.alpha_mode {
             AlphaMode::Mask { cutoff } => surface::alpha_at(self.scene, object_ray, hit) < cutoff,
             AlphaMode::Opaque | AlphaMode::Blend => false,
@@ -267,6 +283,6 @@ fn place<'a>(scene: &'a Scene, instance: &crate::Instance) -> Placed<'a> {
     Placed {
         shape,
         to_object: (instance.transform != Affine3A::IDENTITY).then(|| instance.transform.inverse()),
-        holes: matches!(material.alpha_mode, AlphaMode::Mask { .. }),
+        holes: matches!(material.alpha_mode, AlphaMode::Mask { .. }) || !material.shows_back(),
     }
 }

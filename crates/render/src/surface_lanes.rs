@@ -2,7 +2,7 @@
 
 use crate::{
     Bsdf, Geometry, InstanceId, Material, MaterialId, Scene, SceneBvh, SurfaceInteraction,
-    surface::{material_at, side_of, surface_error, surface_interaction},
+    surface::{image_uv, material_at, side_of, surface_error, surface_interaction},
 };
 use umbriel_kernels::{
     Hit, LANES, Lanes, PointLanes, Ray, Surface, Vec3Lanes,
@@ -225,7 +225,7 @@ impl SurfaceLanes {
         if material.is_textured() {
             self.uniform = None;
             for i in 0..self.len.min(LANES) {
-                let uv = Vec2::new(self.points.u[i], self.points.v[i]);
+                let uv = image_uv(Vec2::new(self.points.u[i], self.points.v[i]));
                 self.set_bsdf(i, &at(uv, self.side[i] > 0.0));
             }
             return;
