@@ -14,7 +14,7 @@ pub struct ExrInfo<'a> {
     /// Part of the picture that is stored (the data window): x0, y0 (included), x1, y1 (excluded).
     /// `None` is all of it.
     pub window: Option<[u32; 4]>,
-    /// The `software` attribute.
+    /// The `software` attribute. Of both texts, what is not ASCII is written as in Rust: `\u{e9}`.
     pub software: &'a str,
     /// The `comments` attribute.
     pub comments: &'a str,
@@ -49,8 +49,8 @@ pub fn encode_exr(image: &Image, layers: &[Layer], info: &ExrInfo) -> Vec<u8> {
     // differs from run to run.
     let attributes = LayerAttributes {
         layer_position: Vec2(x0 as i32, y0 as i32),
-        software_name: Some(Text::from(info.software)),
-        comments: Some(Text::from(info.comments)),
+        software_name: Some(text(info.software)),
+        comments: Some(text(info.comments)),
         ..LayerAttributes::default()
     };
     let encoding = Encoding {
@@ -72,6 +72,13 @@ pub fn encode_exr(image: &Image, layers: &[Layer], info: &ExrInfo) -> Vec<u8> {
         .to_buffered(&mut bytes)
         .expect("writing to memory does not fail, and the sizes agree");
     bytes.into_inner()
+}
+
+/// EXR names no encoding for its texts, and readers disagree: only ASCII means the same to all.
+fn text(text: &str) -> Text {
+    let plain = |c: char| c.is_ascii() && !c.is_ascii_control();
+    let escaped = text.chars().map(|c| if plain(c) { c.to_string() } else { c.escape_default().to_string() });
+    Text::from(escaped.collect::<String>().as_str())
 }
 
 /// Primaries and white point. Source: ITU-R BT.709-6, 2015.

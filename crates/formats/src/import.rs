@@ -18,7 +18,7 @@ use umbriel_render::{Geometry, Instance, Material, MaterialId, Mesh, MeshId, Sce
 /// Wrong content with its place (line and column, JSON pointer or byte), the system's refusal, or a size
 /// over a limit.
 pub fn import_model(path: &Path, report: &mut Report) -> Result<Scene, FileError> {
-    let bytes = sniff::read_file(path)?;
+    let bytes = sniff::read_file(path, report)?;
     let mut scene = match sniff::model_format(path, &bytes)? {
         ModelFormat::Gltf => gltf::import_gltf(path, &bytes, report)?,
         ModelFormat::Glb => gltf::import_glb(path, &bytes, report)?,

@@ -41,10 +41,10 @@ pub use self::exr::{ExrInfo, encode_exr};
 pub use import::import_model;
 pub use png::encode_png;
 pub use read_image::{PictureKind, read_image};
-pub use report::Report;
+pub use report::{Report, one_line};
 pub use scene_file::{LoadOptions, Loaded, SceneSettings, load_scene, scene_schema};
 pub use texture_file::load_texture;
-pub use write::{check_output, write_file};
+pub use write::{check_inputs, check_output, write_file};
 pub use umbriel_render as render;
 
 /// The README's program must compile.

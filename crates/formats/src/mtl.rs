@@ -253,7 +253,7 @@ impl Maps<'_, '_> {
         }
         let id = match folder::resolve(self.text.path, name, NameSyntax::Plain) {
             Ok(path) => {
-                let bytes = sniff::read_file(&path)?;
+                let bytes = sniff::read_file(&path, self.report)?;
                 let fail = |message| self.text.error(at, format!("{}: {message}", folder::shorten(name)));
                 let mut image = decode_texture(&bytes).map_err(|fault| match fault {
                     TextureFault::Wrong(message) => fail(message),

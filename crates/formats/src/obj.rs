@@ -180,7 +180,7 @@ impl Reader {
         for name in each {
             match folder::resolve(text.path, name, NameSyntax::Plain) {
                 Ok(path) => {
-                    let bytes = sniff::read_file(&path)?;
+                    let bytes = sniff::read_file(&path, report)?;
                     let library = Text::new(&path, &bytes)?;
                     mtl::read_mtl(&library, &mut self.scene, &mut self.materials, report)?;
                 }

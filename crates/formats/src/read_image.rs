@@ -1,9 +1,9 @@
 //! Reading pictures to compare them.
 
-use crate::{FileError, Place};
+use crate::{FileError, Place, sniff};
 use exr::prelude::{ReadChannels, ReadLayers, Vec2, read};
-use image::{DynamicImage, ImageDecoder, codecs::png::PngDecoder};
-use std::{fs, io::Cursor, path::Path};
+use image::{DynamicImage, ImageDecoder, Limits, codecs::png::PngDecoder};
+use std::{io::Cursor, path::Path};
 use umbriel_render::Image;
 
 /// What the numbers of a picture mean.
@@ -17,60 +17,34 @@ pub enum PictureKind {
 
 /// Greatest number of pixels of a picture that is read: 4 GiB of numbers.
 const MAX_PIXELS: u64 = 1 << 28;
+/// Most bytes that the PNG decoder may take: 16 bits for four channels of all pixels.
+const MAX_DECODED: u64 = 8 * MAX_PIXELS;
 
 /// Reads a PNG or EXR file, whatever its extension; the values are as stored, not converted.
 ///
 /// An EXR file's picture is its first part with channels `R G B`; it is placed in the display window.
 pub fn read_image(path: &Path) -> Result<(Image, PictureKind), FileError> {
-    if path.is_dir() {
-        return Err(FileError::input(
-            path,
-            Place::File,
-            "is a folder; expected a PNG or EXR picture",
-        ));
-    }
-    let bytes = fs::read(path).map_err(|error| FileError::io(path, &error))?;
+    let bytes = sniff::read_regular(path, sniff::MAX_FILE)?;
     if bytes.starts_with(b"\x89PNG\r\n\x1a\n") {
         Ok((read_png(path, &bytes)?, PictureKind::Display))
     } else if bytes.starts_with(&[0x76, 0x2f, 0x31, 0x01]) {
         Ok((read_exr(path, &bytes)?, PictureKind::Linear))
     } else {
-        let message = format!("is {}; expected a PNG or EXR picture", sniff(&bytes));
+        let found = match &bytes[..] {
+            [] => "empty",
+            bytes => sniff::describe(bytes).unwrap_or("no known picture"),
+        };
+        let message = format!("is {found}; expected a PNG or EXR picture");
         Err(FileError::input(path, Place::File, message))
-    }
-}
-
-/// What a file with these first bytes seems to be.
-fn sniff(bytes: &[u8]) -> &'static str {
-    match bytes {
-        [] => "empty",
-        [0xff, 0xd8, 0xff, ..] => "a JPEG picture",
-        [b'g', b'l', b'T', b'F', ..] => "a glTF model",
-        [b'#', b'?', b'R', b'A', ..] | [b'#', b'?', b'R', b'G', ..] => "a Radiance HDR picture",
-        [b'G', b'I', b'F', b'8', ..] => "a GIF picture",
-        [
-            b'R',
-            b'I',
-            b'F',
-            b'F',
-            _,
-            _,
-            _,
-            _,
-            b'W',
-            b'E',
-            b'B',
-            b'P',
-            ..,
-        ] => "a WebP picture",
-        _ => "no known picture",
     }
 }
 
 fn read_png(path: &Path, bytes: &[u8]) -> Result<Image, FileError> {
     let bad =
         |error: image::ImageError| FileError::input(path, Place::File, format!("bad PNG: {error}"));
-    let decoder = PngDecoder::new(Cursor::new(bytes)).map_err(bad)?;
+    let mut limits = Limits::default();
+    limits.max_alloc = Some(MAX_DECODED);
+    let decoder = PngDecoder::with_limits(Cursor::new(bytes), limits).map_err(bad)?;
     let (width, height) = decoder.dimensions();
     check_size(path, u64::from(width), u64::from(height))?;
     let pixels = DynamicImage::from_decoder(decoder)

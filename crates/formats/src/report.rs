@@ -1,6 +1,10 @@
 //! What a loader says beside the scene: what it left out, and what it decided.
 
-use std::collections::BTreeMap;
+use std::{
+    borrow::Cow,
+    collections::{BTreeMap, BTreeSet},
+    path::PathBuf,
+};
 
 /// What was loaded, ignored and decided.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -12,6 +16,8 @@ pub struct Report {
     pub notes: Vec<String>,
     /// The scene had no light, and got a sky and a sun.
     pub daylight: bool,
+    /// Every file that was read: the output must not be one of them, and a change of one is a change of the scene.
+    pub files: BTreeSet<PathBuf>,
 }
 
 impl Report {
@@ -23,12 +29,22 @@ impl Report {
     /// Counts `n` more of `what`.
     pub fn ignore_n(&mut self, what: impl Into<String>, n: usize) {
         if n > 0 {
-            *self.ignored.entry(what.into()).or_default() += n;
+            *self.ignored.entry(one_line(&what.into()).into_owned()).or_default() += n;
         }
     }
 
     /// Says a decision.
     pub fn note(&mut self, line: impl Into<String>) {
-        self.notes.push(line.into());
+        self.notes.push(one_line(&line.into()).into_owned());
     }
+}
+
+/// A text without control characters, which are shown as in Rust (`\n`): names of files and of what is in them may hold
+/// line ends and commands to the terminal.
+pub fn one_line(text: &str) -> Cow<'_, str> {
+    if !text.contains(char::is_control) {
+        return text.into();
+    }
+    let show = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    text.chars().map(show).collect()
 }

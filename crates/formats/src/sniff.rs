@@ -1,7 +1,7 @@
 //! Which format a file has, and its bytes, read with limits.
 
-use crate::{FileError, Place};
-use std::{fs, path::Path};
+use crate::{FileError, Place, Report};
+use std::{fs, io, path::Path};
 
 /// Formats of models that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,19 +16,25 @@ pub(crate) enum ModelFormat {
 /// Largest file that is read, in bytes.
 pub(crate) const MAX_FILE: u64 = 2 << 30;
 
-/// Reads a regular file of at most [`MAX_FILE`] bytes.
+/// Reads a regular file of at most [`MAX_FILE`] bytes, and notes that it was read.
+pub(crate) fn read_file(path: &Path, report: &mut Report) -> Result<Vec<u8>, FileError> {
+    report.files.insert(path.to_owned());
+    read_regular(path, MAX_FILE)
+}
+
+/// Reads a regular file of at most `limit` bytes.
 ///
 /// Folders, pipes and devices are refused before they are opened: reading a pipe could wait for ever.
-pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, FileError> {
+pub(crate) fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
     let meta = fs::metadata(path).map_err(|error| FileError::io(path, &error))?;
     if meta.is_dir() {
-        return Err(FileError::input(path, Place::File, "is a folder; expected a file"));
+        return Err(FileError::io(path, &io::Error::other("is a folder; expected a file")));
     }
     if !meta.is_file() {
-        return Err(FileError::input(path, Place::File, "is a pipe or device; expected a regular file"));
+        return Err(FileError::io(path, &io::Error::other("is a pipe or device; expected a regular file")));
     }
-    if meta.len() > MAX_FILE {
-        let message = format!("has {} bytes; the limit is {MAX_FILE} bytes (2 GiB)", meta.len());
+    if meta.len() > limit {
+        let message = format!("has {} bytes; the limit is {limit} bytes", meta.len());
         return Err(FileError::limit(path, Place::File, message));
     }
     fs::read(path).map_err(|error| FileError::io(path, &error))
@@ -63,7 +69,7 @@ fn format_of_extension(path: &Path) -> Option<ModelFormat> {
 }
 
 /// What files with these first bytes are.
-const MAGIC: [(&[u8], &str); 13] = [
+const MAGIC: [(&[u8], &str); 15] = [
     (b"\x89PNG", "a PNG image"),
     (b"\xFF\xD8\xFF", "a JPEG image"),
     (b"GIF8", "a GIF image"),
@@ -74,6 +80,8 @@ const MAGIC: [(&[u8], &str); 13] = [
     (b"ply\r", PLY),
     (b"PK\x03\x04", "a ZIP archive (or USDZ, 3MF)"),
     (b"\x1F\x8B", "a gzip archive"),
+    (b"RIFF", "a WebP image (or another RIFF file)"),
+    (b"\xABKTX 20\xBB", "a KTX2 texture"),
     (b"%PDF", "a PDF document"),
     (b"Kaydara FBX", "an FBX file"),
     (b"PXR-USDC", "a USD file"),

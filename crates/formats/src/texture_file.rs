@@ -1,14 +1,14 @@
 //! Textures from PNG and JPEG files.
 
 use crate::{FileError, Place, sniff};
-use image::{DynamicImage, ImageDecoder, Limits, codecs::{jpeg::JpegDecoder, png::PngDecoder}};
+use image::{DynamicImage, ImageDecoder, ImageError, Limits, codecs::{jpeg::JpegDecoder, png::PngDecoder}};
 use std::{io::Cursor, path::Path};
 use umbriel_render::{Encoding, Filter, ImageTexture, Wrap};
 
 /// Most texels along a side.
 const MAX_SIDE: u32 = 16_384;
-/// Most texels of a texture.
-const MAX_TEXELS: u64 = 256 << 20;
+/// Most texels of a texture: 512 MiB as they are kept.
+const MAX_TEXELS: u64 = 128 << 20;
 /// Most bytes that a decoder may take.
 const MAX_BYTES: u64 = 512 << 20;
 
@@ -16,7 +16,7 @@ const MAX_BYTES: u64 = 512 << 20;
 /// of 8 bits.
 ///
 /// The result is sRGB-encoded, repeats and is filtered bilinearly; the caller knows better.
-/// At most 16,384 texels a side, 256 Mi texels and 512 MiB while decoding.
+/// At most 16,384 texels a side, 128 Mi texels and 512 MiB while decoding.
 pub fn load_texture(path: &Path, bytes: &[u8]) -> Result<ImageTexture, FileError> {
     decode_texture(bytes).map_err(|fault| match fault {
         TextureFault::Wrong(message) => FileError::input(path, Place::File, message),
@@ -36,11 +36,10 @@ pub(crate) enum TextureFault {
 
 /// See [`load_texture`]; the name is left empty.
 pub(crate) fn decode_texture(bytes: &[u8]) -> Result<ImageTexture, TextureFault> {
-    let wrong = |error: image::ImageError| TextureFault::Wrong(format!("the image cannot be decoded: {error}"));
     let input = Cursor::new(bytes);
     let image = match sniff::describe(bytes) {
-        Some("a PNG image") => decode(PngDecoder::with_limits(input, limits()).map_err(wrong)?)?,
-        Some("a JPEG image") => decode(JpegDecoder::new(input).map_err(wrong)?)?,
+        Some("a PNG image") => decode(PngDecoder::with_limits(input, limits()).map_err(fault)?)?,
+        Some("a JPEG image") => decode(JpegDecoder::new(input).map_err(fault)?)?,
         other => {
             let found = other.unwrap_or("of an unknown format");
             return Err(TextureFault::Wrong(format!("the image is {found}; expected PNG or JPEG")));
@@ -77,12 +76,26 @@ fn decode(mut decoder: impl ImageDecoder) -> Result<DynamicImage, TextureFault> 
     let texels = u64::from(width) * u64::from(height);
     if width > MAX_SIDE || height > MAX_SIDE || texels > MAX_TEXELS || decoder.total_bytes() > MAX_BYTES {
         let message = format!(
-            "the image has {width} x {height} texels; the limits are {MAX_SIDE} a side and {MAX_BYTES} bytes decoded"
+            "the image has {width} x {height} texels; the limits are {MAX_SIDE} a side and {MAX_TEXELS} in all"
         );
         return Err(TextureFault::TooLarge(message));
     }
     decoder
         .set_limits(limits())
         .and_then(|()| DynamicImage::from_decoder(decoder))
-        .map_err(|error| TextureFault::Wrong(format!("the image cannot be decoded: {error}")))
+        .map_err(fault)
+}
+
+fn fault(error: ImageError) -> TextureFault {
+    match error {
+        ImageError::Limits(_) => {
+            let limits = format!("the limits are {MAX_SIDE} texels a side and {MAX_BYTES} bytes");
+            TextureFault::TooLarge(format!("the image is too large; {limits}"))
+        }
+        error => {
+            // The decoder's words may go over several lines.
+            let words = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+            TextureFault::Wrong(format!("the image cannot be decoded: {words}"))
+        }
+    }
 }

@@ -65,7 +65,7 @@ fn fault(from: &str, to: &str) -> String {
 fn the_triangle_itself_is_fine() {
     let (scene, report) = import("t.glb", glb(&triangle_json(), &triangle_bytes())).unwrap();
     assert_eq!(scene.meshes[0].indices, [[0, 1, 2]]);
-    assert_eq!(report, Report::default());
+    assert_eq!((report.ignored.len(), report.notes.len(), report.files.len()), (0, 0, 1));
 }
 
 #[test]

@@ -198,7 +198,7 @@ fn outputs_are_checked_before_and_replaced_whole() {
     fs::create_dir(at("sub")).unwrap();
     assert!(said(&at("none/out.png"), &at("in.toml")).contains("does not exist"));
     assert!(said(&at("sub"), &at("in.toml")).contains("is a folder"));
-    assert!(said(&at("sub/../in.toml"), &at("in.toml")).contains("is the input"));
+    assert!(said(&at("sub/../in.toml"), &at("in.toml")).contains("is an input"));
 
     write_file(&at("out.png"), b"old").unwrap();
     check_output(&at("out.png"), &[&at("in.toml")]).unwrap();
@@ -218,4 +218,49 @@ fn outputs_are_checked_before_and_replaced_whole() {
         3,
         "no temporary file is left"
     );
+}
+
+/// What is no regular file is left alone, and a link is followed even where it leads to a file that is still to be made.
+#[cfg(unix)]
+#[test]
+fn links_are_followed_and_devices_left_alone() {
+    use std::os::unix::{fs::symlink, net::UnixListener};
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    symlink("new.png", at("link.png")).unwrap();
+    check_output(&at("link.png"), &[]).unwrap();
+    write_file(&at("link.png"), b"new").unwrap();
+    assert_eq!(fs::read(at("new.png")).unwrap(), b"new");
+    assert!(at("link.png").is_symlink());
+
+    symlink("loop.png", at("loop.png")).unwrap();
+    symlink("socket", at("device.png")).unwrap();
+    let _socket = UnixListener::bind(at("socket")).unwrap();
+    for (name, part) in [("loop.png", "leads nowhere"), ("device.png", "device"), (&"x".repeat(300), "too long")] {
+        let error = check_output(&at(name), &[]).unwrap_err();
+        assert!(error.message.contains(part), "{name}: {error}");
+    }
+    assert!(write_file(&at("device.png"), b"new").is_err());
+    assert!(at("device.png").is_symlink() && UnixListener::bind(at("socket")).is_err());
+}
+
+/// A killed process may have left its file, and processes get the numbers of older ones.
+#[test]
+fn a_left_over_temporary_file_is_no_obstacle() {
+    let folder = tempfile::tempdir().unwrap();
+    let stale = folder.path().join(format!(".umbriel-{}-0.tmp", std::process::id()));
+    fs::write(&stale, "stale").unwrap();
+    let path = folder.path().join("out.png");
+    check_output(&path, &[]).unwrap();
+    write_file(&path, b"new").unwrap();
+    assert_eq!((fs::read(&path).unwrap(), fs::read(&stale).unwrap()), (b"new".to_vec(), b"stale".to_vec()));
+}
+
+/// Any text may be a comment: names of scenes come from people.
+#[test]
+fn exr_takes_any_comment() {
+    let info = ExrInfo { comments: "scene=日本 é\n.toml", software: "😀", ..ExrInfo::default() };
+    let file = encode_exr(&gradient(3, 2), &[], &info);
+    let has = |text: &str| file.windows(text.len()).any(|w| w == text.as_bytes());
+    assert!(has(r"scene=\u{65e5}\u{672c} \u{e9}\n.toml") && has(r"\u{1f600}"));
 }

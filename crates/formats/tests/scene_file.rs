@@ -192,3 +192,15 @@ fn included_and_imported_files_join_the_scene() {
     );
     assert_ne!(scene.instances[2].material, scene.instances[1].material);
 }
+
+/// A scene file is rendered as it says; for a model nobody has said anything.
+#[test]
+fn models_are_smooth_unless_asked_otherwise() {
+    assert_eq!(load("").settings.sampling, None);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("triangle.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let loaded = load_scene(&path, &LoadOptions::default()).unwrap();
+    assert_eq!(loaded.settings.sampling, Some(Sampling::Fixed { spp: 4 }));
+    assert_eq!(loaded.report.files.into_iter().collect::<Vec<_>>(), [path]);
+}

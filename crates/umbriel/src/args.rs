@@ -79,7 +79,7 @@ pub(crate) struct RenderArgs {
     /// Algorithm [default: whitted]
     #[arg(short, long, value_enum)]
     pub(crate) method: Option<MethodName>,
-    /// Samples a pixel [default: 1]
+    /// Samples a pixel [default: 1; 4 for models]
     #[arg(short, long, value_name = "N", value_parser = value_parser!(u32).range(1..=65_536), conflicts_with = "adaptive")]
     pub(crate) spp: Option<u32>,
     /// Divide pixels whose corners differ by more than THRESHOLD (0 to 1)

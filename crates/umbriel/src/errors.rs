@@ -1,5 +1,6 @@
 //! What the program says and returns when something goes wrong.
 
+use crate::say::say;
 use serde_json::{Value, json};
 use umbriel_formats::{ErrorKind, FileError, Place};
 
@@ -66,9 +67,9 @@ impl Failure {
         if self.message.is_empty() {
             return;
         }
-        eprintln!("error: {}", self.message);
-        if let Some(snippet) = &self.snippet {
-            eprintln!("{}", snippet.trim_end());
+        say(&format!("error: {}", self.message));
+        for line in self.snippet.iter().flat_map(|snippet| snippet.lines()) {
+            say(line);
         }
     }
 

@@ -12,6 +12,7 @@ mod plan;
 mod progress;
 mod render;
 mod run;
+mod say;
 mod summary;
 mod values;
 mod watch;

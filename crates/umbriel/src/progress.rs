@@ -1,5 +1,6 @@
 //! How far a render is: a bar on a terminal, a line for each tenth elsewhere.
 
+use crate::say::say;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::{
     io::{IsTerminal, stderr},
@@ -79,11 +80,11 @@ impl Progress {
             let elapsed = self.start.elapsed().as_secs_f64();
             let rate = done as f64 / elapsed;
             let left = (total - done) as f64 / rate;
-            eprintln!(
+            say(&format!(
                 "{}% {:.2} Mpixels/s, {left:.0} s left",
                 10 * tenth,
                 rate / 1e6
-            );
+            ));
         }
     }
 }

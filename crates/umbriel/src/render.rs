@@ -15,9 +15,12 @@ use crate::{
     watch,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use std::time::Instant;
+use std::{
+    path::{Path, PathBuf},
+    time::Instant,
+};
 use umbriel_formats::{
-    LoadOptions, Loaded, load_scene,
+    LoadOptions, Loaded, check_inputs, load_scene,
     render::{Camera, Control, Film, Layer, SceneBvh, render, render_aovs},
 };
 
@@ -32,9 +35,9 @@ pub(crate) fn run(args: &RenderArgs, start: Instant) -> Result<(), Failure> {
 
 /// Loads, renders and writes; `start` is when the work began.
 pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failure> {
-    let target = check_target(args)?;
+    let target = find_target(args)?;
     let pool = build_pool(args.threads)?;
-    let (loaded, load) = timed(|| pool.install(|| load(args)));
+    let (loaded, load) = timed(|| pool.install(|| load(args, target)));
     let loaded = loaded?;
     let plan = make_plan(args, &loaded.settings, default_exposure(args, &loaded))?;
     check_memory(plan.settings.resolution, exr_channels(args, target))?;
@@ -46,10 +49,7 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
     let (bvh, build) = timed(|| pool.install(|| SceneBvh::build(&loaded.scene)));
     let ((film, layers), render) = timed(|| trace(args, &pool, &bvh, &camera, &plan));
     if interrupt::stopped() && film.stats.pixels == 0 {
-        return Err(Failure::new(
-            Exit::Interrupted,
-            "interrupted before anything was done; nothing was written",
-        ));
+        return Err(interrupted_early());
     }
     interrupt::enter(Phase::Writing);
     let (written, write) =
@@ -103,14 +103,35 @@ fn report(args: &RenderArgs, summary: &Summary) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Reads the scene and holds it to `--strict`.
-fn load(args: &RenderArgs) -> Result<Loaded, Failure> {
+/// Finds out where the picture goes. The question leaves a file for a moment, which an interrupt must not make stay.
+fn find_target(args: &RenderArgs) -> Result<Target, Failure> {
+    interrupt::enter(Phase::Writing);
+    let target = check_target(args);
+    interrupt::enter(Phase::Waiting);
+    if interrupt::stopped() {
+        return Err(interrupted_early());
+    }
+    target
+}
+
+fn interrupted_early() -> Failure {
+    let message = "interrupted before anything was done; nothing was written";
+    Failure::new(Exit::Interrupted, message)
+}
+
+/// Reads the scene, and holds it to `--strict` and the output to what was read.
+fn load(args: &RenderArgs, target: Target) -> Result<Loaded, Failure> {
     let options = LoadOptions {
         overrides: args.definitions.clone(),
     };
     let loaded = load_scene(&args.scene, &options)?;
     if args.strict {
         refuse_ignored(args, &loaded)?;
+    }
+    if target != Target::Stdout {
+        // Only now it is known which textures, meshes and included files the scene names.
+        let inputs: Vec<&Path> = loaded.report.files.iter().map(PathBuf::as_path).collect();
+        check_inputs(&args.output, &inputs)?;
     }
     Ok(loaded)
 }

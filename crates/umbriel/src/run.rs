@@ -69,12 +69,15 @@ fn refuse(error: &clap::Error) -> ExitCode {
     // A closed terminal or pipe is no reason to fail.
     let _ = error.print();
     if error.use_stderr() && std::env::args_os().any(|arg| arg == "--json") {
+        // Which arguments are missing stands in the lines up to the first empty one.
         let text = error.to_string();
-        let line = text
+        let lines: Vec<&str> = text
             .lines()
-            .next()
-            .unwrap_or_default()
-            .trim_start_matches("error: ");
+            .map(str::trim)
+            .take_while(|line| !line.is_empty())
+            .collect();
+        let line = lines.join(" ");
+        let line = line.trim_start_matches("error: ");
         let _ = print_line(&Failure::usage(line).to_json().to_string());
     }
     ExitCode::from(error.exit_code() as u8)

@@ -6,6 +6,7 @@ use crate::{
     output::{method_name, sampling_name},
     plan::{Plan, Target, memory},
     render::idle_options,
+    say::say,
     values::Exposure,
 };
 use serde_json::{Value, json};
@@ -49,29 +50,29 @@ pub(crate) fn print_loaded(
     target: Target,
 ) {
     let contents = Contents::of(&loaded.scene);
-    eprintln!(
+    say(&format!(
         "{}: {}, camera {:?}",
         args.scene.display(),
         contents.line(),
         camera.name
-    );
+    ));
     for note in &loaded.report.notes {
-        eprintln!("note: {note}");
+        say(&format!("note: {note}"));
     }
     if let Some(line) = ignored_line(&loaded.report) {
-        eprintln!("{line}");
+        say(&line);
     }
     if let Some(note) = idle_options(args, target) {
-        eprintln!("note: {note}");
+        say(&format!("note: {note}"));
     }
     if args.verbose {
         let s = &plan.settings;
         let (shadows, glass, depth) = (s.shadows, s.glass_shadows, s.depth);
-        eprintln!(
+        say(&format!(
             "scene {}, depth {depth}, shadows {shadows}, at glass {glass:?}, seed {}",
             memory(contents.memory as f64),
             s.seed
-        );
+        ));
     }
 }
 
@@ -123,26 +124,28 @@ impl Summary<'_> {
         } = self.phases;
         if self.args.verbose {
             let (threads, bvh) = (self.threads, memory(self.bvh_memory as f64));
-            eprintln!(
+            say(&format!(
                 "{} rays, {} shadow rays, {threads} threads, hierarchies {bvh}",
                 self.stats.rays, self.stats.shadow_rays
-            );
+            ));
         }
         if self.stats.bad_samples > 0 {
-            eprintln!(
+            say(&format!(
                 "warning: {} samples were no finite numbers and count as black",
                 self.stats.bad_samples
-            );
+            ));
         }
         if self.plan.exposure == Exposure::Auto {
-            eprintln!(
+            say(&format!(
                 "note: exposure chosen for the picture: {:+.2} stops; --exposure sets it",
                 self.exposure
-            );
+            ));
         }
         let [load, build, render_time, write, total] =
             [load, build, render, write, total].map(seconds);
-        eprintln!("load {load}, build {build}, render {render_time}, write {write}");
+        say(&format!(
+            "load {load}, build {build}, render {render_time}, write {write}"
+        ));
         let settings = &self.plan.settings;
         let [width, height] = settings.resolution;
         let what = format!(
@@ -155,7 +158,10 @@ impl Summary<'_> {
             0 => "saved".to_owned(),
             n => format!("interrupted, {n} pixels are empty: saved"),
         };
-        eprintln!("{saved} {} {what} {total} {rate:.1} Mrays/s", self.output());
+        say(&format!(
+            "{saved} {} {what} {total} {rate:.1} Mrays/s",
+            self.output()
+        ));
     }
 
     /// The summary for programs.

@@ -5,6 +5,7 @@ use crate::{
     errors::{Exit, Failure},
     render::render_once,
     run::print_line,
+    say::say,
 };
 use notify::{Event, EventKind, RecursiveMode, Watcher};
 use std::{
@@ -43,17 +44,20 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             Err(failure) if matches!(failure.exit, Exit::Usage | Exit::Interrupted) => {
                 return Err(failure);
             }
-            Err(failure) => say(args, &failure),
+            Err(failure) => report(args, &failure),
             Ok(()) => {}
         }
         if !args.quiet {
-            eprintln!("watching {} for changes; Ctrl-C ends", args.scene.display());
+            say(&format!(
+                "watching {} for changes; Ctrl-C ends",
+                args.scene.display()
+            ));
         }
         wait_for_change(&receiver, &files, args)?;
     }
 }
 
-fn say(args: &RenderArgs, failure: &Failure) {
+fn report(args: &RenderArgs, failure: &Failure) {
     if args.json {
         // Nobody is left to tell if this fails, too.
         let _ = print_line(&failure.to_json().to_string());

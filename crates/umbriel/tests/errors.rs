@@ -77,7 +77,7 @@ fn outputs() {
     folder.fails(
         "render scene.png -o scene.png",
         4,
-        &["scene.png", "is the input"],
+        &["scene.png", "is an input"],
     );
     folder.fails(
         "render scene.toml -o a.png -r 99999999x99999999",
@@ -173,4 +173,82 @@ fn strict_refuses_what_is_ignored() {
         &["flat.obj", "ignored", "--strict"],
     );
     assert_eq!(folder.names(), ["a.png", "flat.obj", "scene.toml"]);
+}
+
+/// A scene names files beside itself: none of them may be the output.
+#[test]
+fn outputs_are_no_inputs_of_the_scene() {
+    let folder = Folder::new();
+    let image = "\n[[image]]\nname = \"wood\"\nfile = \"wood.png\"\n";
+    folder.ok("render scene.toml -o wood.png -r 8x6");
+    let before = folder.read("wood.png");
+    folder.write("wood.toml", &format!("{SCENE}{image}"));
+    folder.fails(
+        "render wood.toml -o wood.png",
+        4,
+        &["wood.png", "is an input"],
+    );
+    assert_eq!(folder.read("wood.png"), before);
+}
+
+/// A pipe would be waited for, and a device never ends.
+#[test]
+fn only_regular_files_are_read() {
+    let folder = Folder::new();
+    std::os::unix::fs::symlink("/dev/zero", folder.path("zero.toml")).unwrap();
+    for words in [
+        "info zero.toml",
+        "render zero.toml -o a.png",
+        "diff zero.toml zero.toml",
+    ] {
+        folder.fails(words, 4, &["zero.toml", "regular file"]);
+    }
+}
+
+/// Nobody listens to what is said, and the work is done all the same.
+#[test]
+fn a_full_or_closed_standard_error_is_no_failure() {
+    let folder = Folder::new();
+    for (words, code) in [
+        ("render scene.toml -o a.png -r 8x6 -v", 0),
+        ("render none.toml -o b.png", 4),
+    ] {
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        let status = folder.command(words).stderr(full).status().unwrap();
+        assert_eq!(status.code(), Some(code), "{words}");
+    }
+    assert_eq!(folder.names(), ["a.png", "scene.toml"]);
+}
+
+/// Names are shown without their line ends and commands to the terminal, and may be in any script.
+#[test]
+fn strange_names_stay_in_their_line() {
+    let folder = Folder::new();
+    let name = "a\n\u{1b}[31m 日本😀.toml";
+    folder.write(name, SCENE);
+    let run = |words: &[&str]| folder.command("").args(words).output().unwrap();
+    assert!(
+        run(&["render", name, "-o", "é😀.exr", "-r", "8x6"])
+            .status
+            .success()
+    );
+    let refused = run(&["render", name, "-o", "a.png", "-D", "x=1"]);
+    folder.write(name, &SCENE.replace("radius = 1", "\"r\\na\" = 1"));
+    let wrong = run(&["info", name]);
+    for (output, lines) in [(refused, 1), (wrong, 3)] {
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(
+            (output.status.code(), said.lines().count()),
+            (Some(3), lines),
+            "{said}"
+        );
+        assert!(!said.contains('\u{1b}'), "{said}");
+    }
+}
+
+#[test]
+fn missing_arguments_are_named_in_json() {
+    let error = Folder::new().run("render scene.toml --json").json()["error"].clone();
+    let message = error["message"].as_str().unwrap();
+    assert!(message.contains("--output"), "{message}");
 }

@@ -2,7 +2,7 @@
 
 use super::json::Json;
 use crate::{
-    ErrorKind, FileError, folder,
+    ErrorKind, FileError, Report, folder,
     folder::{NameError, NameSyntax},
     sniff,
 };
@@ -28,12 +28,12 @@ pub(super) struct View<'b> {
 
 impl<'a> Buffers<'a> {
     /// Loads every buffer; `binary` is the binary chunk of a .glb file.
-    pub(super) fn load(root: &Json<'a>, binary: Option<&'a [u8]>) -> Result<Self, FileError> {
+    pub(super) fn load(root: &Json<'a>, binary: Option<&'a [u8]>, report: &mut Report) -> Result<Self, FileError> {
         let mut buffers = Vec::new();
         for (i, buffer) in root.objects("buffers")?.into_iter().enumerate() {
             let size = buffer.size("byteLength")?;
             let bytes = match (buffer.text("uri")?, binary) {
-                (Some(uri), _) => load_uri(&buffer, uri, Some(size))?,
+                (Some(uri), _) => load_uri(&buffer, uri, Some(size), report)?,
                 (None, Some(chunk)) if i == 0 => Cow::Borrowed(chunk),
                 // Some extensions allow a buffer without data as the fallback of a compressed one.
                 (None, _) => Cow::Borrowed(&[][..]),
@@ -84,12 +84,17 @@ pub(super) fn is_data(uri: &str) -> bool {
 /// The bytes of the `uri` of `json`, from the URI itself or from a file in the folder.
 ///
 /// `size` is what the file says it has; a data URI that is too short for it is not decoded.
-pub(super) fn load_uri<'a>(json: &Json, uri: &str, size: Option<u64>) -> Result<Cow<'a, [u8]>, FileError> {
+pub(super) fn load_uri<'a>(
+    json: &Json,
+    uri: &str,
+    size: Option<u64>,
+    report: &mut Report,
+) -> Result<Cow<'a, [u8]>, FileError> {
     if is_data(uri) {
         return decode_data(json, uri, size.unwrap_or(0)).map(Cow::Owned);
     }
     match folder::resolve(json.file, uri, NameSyntax::Uri) {
-        Ok(path) => sniff::read_file(&path).map(Cow::Owned),
+        Ok(path) => sniff::read_file(&path, report).map(Cow::Owned),
         Err(error) => {
             let kind = if matches!(error, NameError::Missing(_)) { ErrorKind::Io } else { ErrorKind::Input };
             Err(FileError { kind, ..json.error_at("uri", error.message()) })

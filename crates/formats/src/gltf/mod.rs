@@ -90,7 +90,7 @@ fn import(path: &Path, value: &Value, binary: Option<&[u8]>, report: &mut Report
     check_extensions(&root, report)?;
     report.ignore_n("animation", root.array("animations")?.len());
 
-    let buffers = buffer::Buffers::load(&root, binary)?;
+    let buffers = buffer::Buffers::load(&root, binary, report)?;
     let mut scene = Scene::default();
     let mut textures = texture::Textures::new(&root, &buffers)?;
     for json in root.objects("materials")? {

@@ -84,7 +84,7 @@ impl<'a, 'b> Textures<'a, 'b> {
         };
         let image = self.images[source].clone();
         let name = image_name(&image)?;
-        let bytes = match self.image_bytes(&image) {
+        let bytes = match self.image_bytes(&image, report) {
             Ok(bytes) => bytes,
             Err(error) if error.kind == ErrorKind::Io => {
                 report.ignore(format!("missing texture {name}"));
@@ -112,9 +112,9 @@ impl<'a, 'b> Textures<'a, 'b> {
         Ok(Some(TextureId(scene.textures.len() as u32 - 1)))
     }
 
-    fn image_bytes(&self, image: &Json) -> Result<Cow<'b, [u8]>, FileError> {
+    fn image_bytes(&self, image: &Json, report: &mut Report) -> Result<Cow<'b, [u8]>, FileError> {
         if let Some(uri) = image.text("uri")? {
-            return load_uri(image, uri, None);
+            return load_uri(image, uri, None, report);
         }
         match image.index("bufferView", self.buffers.view_count())? {
             Some(view) => Ok(Cow::Borrowed(self.buffers.view(view)?.bytes)),

@@ -46,6 +46,9 @@ pub(super) fn syntax_fault(error: &toml::de::Error, source: &Source) -> Fault {
             "second `{}` in the same table",
             source.text.get(span.clone()).unwrap_or_default()
         ),
+        "recursion limit" | "cannot recurse further; max recursion depth met" => {
+            "is nested too deeply; expected at most 80 levels".to_owned()
+        }
         "invalid float, expected nothing" => "not a number; expected one like 1.5".to_owned(),
         _ => message.replacen(", expected ", "; expected ", 1),
     };

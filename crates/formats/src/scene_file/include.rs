@@ -5,7 +5,7 @@ use super::document::Document;
 use super::overrides::apply_overrides;
 use super::source::{Fault, MAX_BYTES, Source, Step, list_entries};
 use crate::folder::{NameSyntax, resolve};
-use crate::{ErrorKind, FileError};
+use crate::{ErrorKind, FileError, Report};
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use toml::de::{DeTable, Deserializer};
@@ -25,14 +25,16 @@ pub(super) struct Part {
 pub(super) fn read_parts(
     path: &Path,
     overrides: &[(String, String)],
+    report: &mut Report,
 ) -> Result<Vec<Part>, FileError> {
     let mut parts = vec![];
-    let mut source = Source::read(path)?;
+    let mut source = Source::read(path, report)?;
     source.overrides = overrides.to_vec();
     let mut reader = Reader {
         parts: &mut parts,
         chain: vec![],
         bytes: 0,
+        report,
     };
     reader.add(source)?;
     Ok(parts)
@@ -43,6 +45,7 @@ struct Reader<'a> {
     /// The files that are being read, each included by the one before, as written and canonical.
     chain: Vec<(PathBuf, PathBuf)>,
     bytes: u64,
+    report: &'a mut Report,
 }
 
 impl Reader<'_> {
@@ -72,7 +75,7 @@ impl Reader<'_> {
     }
 
     /// Opens an included file, or refuses it at the line that names it.
-    fn open(&self, part: usize, i: usize, name: &str) -> Result<Source, FileError> {
+    fn open(&mut self, part: usize, i: usize, name: &str) -> Result<Source, FileError> {
         let source = &self.parts[part].source;
         let key = [Step::Key("include".to_owned())];
         let whole = source.entry(&key).map_or(0..0, |e| e.value.clone());
@@ -110,7 +113,7 @@ impl Reader<'_> {
             );
             return Err(fault(ErrorKind::Limit, message));
         }
-        Source::read(&path)
+        Source::read(&path, self.report)
     }
 
     fn show_chain(&self, last: &Path) -> String {

@@ -7,7 +7,7 @@ use super::document::{
 };
 use super::values::TextureUse;
 use crate::folder::{NameSyntax, resolve};
-use crate::{FileError, load_texture};
+use crate::{FileError, load_texture, sniff};
 use umbriel_render::kernels::glam::{Affine2, Vec2, Vec3};
 use umbriel_render::{
     AlphaMode, Checker, Element, Encoding, Filter, Material, MaterialId, Texture, TextureId,
@@ -51,11 +51,11 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn read_image(&self, spot: Spot, table: &ImageTable) -> Result<Texture, FileError> {
+    fn read_image(&mut self, spot: Spot, table: &ImageTable) -> Result<Texture, FileError> {
         let base = &self.parts[spot.part].source.path;
         let path = resolve(base, &table.file, NameSyntax::Plain)
             .map_err(|e| self.fault(spot, &["file"], e.message()))?;
-        let bytes = std::fs::read(&path).map_err(|e| FileError::io(&path, &e))?;
+        let bytes = sniff::read_file(&path, self.report)?;
         let mut image = load_texture(&path, &bytes)?;
         image.name.clone_from(&table.name);
         image.encoding = match table.encoding {

@@ -16,7 +16,10 @@ pub use settings::SceneSettings;
 
 use crate::{FileError, Place, Report, complete_scene, import_model};
 use std::path::Path;
-use umbriel_render::Scene;
+use umbriel_render::{Sampling, Scene};
+
+/// Samples a pixel of a model.
+const MODEL_SPP: u32 = 4;
 
 /// How a scene is loaded.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -40,7 +43,8 @@ pub struct Loaded {
 
 /// Loads a scene: a `.toml` scene file, or a model in one of the formats of [`import_model`].
 ///
-/// The result has passed [`Scene::validate`].
+/// The result has passed [`Scene::validate`]. A model says nothing of how to draw it: its settings ask for 4 samples
+/// a pixel, and for nothing else.
 ///
 /// # Errors
 /// The first fault of the file, at its line for TOML, or at the override that made it.
@@ -51,10 +55,7 @@ pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Loaded, FileErro
         .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     let (scene, settings) = match is_toml {
         true => load_toml(path, options, &mut report)?,
-        false => (
-            load_model(path, options, &mut report)?,
-            SceneSettings::default(),
-        ),
+        false => (load_model(path, options, &mut report)?, model_settings()),
     };
     Ok(Loaded {
         scene,
@@ -63,12 +64,20 @@ pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Loaded, FileErro
     })
 }
 
+/// A model is mostly drawn to be looked at, and nobody has said how: its edges shall be smooth at once.
+fn model_settings() -> SceneSettings {
+    SceneSettings {
+        sampling: Some(Sampling::Fixed { spp: MODEL_SPP }),
+        ..SceneSettings::default()
+    }
+}
+
 fn load_toml(
     path: &Path,
     options: &LoadOptions,
     report: &mut Report,
 ) -> Result<(Scene, SceneSettings), FileError> {
-    let parts = include::read_parts(path, &options.overrides)?;
+    let parts = include::read_parts(path, &options.overrides, report)?;
     let settings = settings::read_settings(&parts)?;
     let mut scene = convert::build_scene(&parts, report)?;
     if scene.instances.is_empty() {

@@ -29,6 +29,8 @@ pub struct SceneSettings {
     pub tonemap: Option<Tonemap>,
 }
 
+/// Most mirrored or refracted rays one after the other: between two mirrors they would never end.
+const MAX_DEPTH: u32 = 64;
 /// Longest side of a picture, in pixels.
 const MAX_SIDE: i64 = 65_535;
 /// Most pixels of a picture: a film of 16 GiB.
@@ -64,6 +66,12 @@ fn read_table(table: &RenderTable, source: &Source) -> Result<SceneSettings, Fau
             at("exposure"),
             format!("`exposure` is {stops}; must be from -100 to 100 stops"),
         ));
+    }
+    if let Some(depth) = table.depth
+        && depth > MAX_DEPTH
+    {
+        let message = format!("`depth` is {depth}; must be from 0 to {MAX_DEPTH}");
+        return Err(Fault::new(at("depth"), message));
     }
     Ok(SceneSettings {
         method: table.method.map(|name| match name {

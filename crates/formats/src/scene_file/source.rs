@@ -1,6 +1,6 @@
 //! The text of one scene file and where each of its keys and values stands.
 
-use crate::{ErrorKind, FileError, Place};
+use crate::{ErrorKind, FileError, Place, Report, sniff};
 use std::{
     ops::Range,
     path::{Path, PathBuf},
@@ -59,23 +59,13 @@ pub(super) struct Source {
 
 impl Source {
     /// Reads a file, without judging more than its size and encoding.
-    pub(super) fn read(path: &Path) -> Result<Self, FileError> {
-        let io = |error: std::io::Error| FileError::io(path, &error);
-        let meta = std::fs::metadata(path).map_err(io)?;
-        if meta.is_dir() {
-            return Err(FileError {
-                kind: ErrorKind::Io,
-                ..FileError::input(path, Place::File, "is a folder; expected a scene file")
-            });
+    pub(super) fn read(path: &Path, report: &mut Report) -> Result<Self, FileError> {
+        report.files.insert(path.to_owned());
+        let mut bytes = sniff::read_regular(path, MAX_BYTES)?;
+        if let Some(what) = sniff::describe(&bytes) {
+            let message = format!("is {what}; expected a scene in TOML");
+            return Err(FileError::input(path, Place::File, message));
         }
-        if meta.len() > MAX_BYTES {
-            let message = format!(
-                "has {} bytes; a scene file may have at most {MAX_BYTES}",
-                meta.len()
-            );
-            return Err(FileError::limit(path, Place::File, message));
-        }
-        let mut bytes = std::fs::read(path).map_err(io)?;
         if bytes.starts_with(b"\xEF\xBB\xBF") {
             bytes.drain(..3);
         }
