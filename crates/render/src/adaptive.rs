@@ -18,7 +18,7 @@ struct Cell {
 /// five new samples, up to `levels` times. Each level of the whole tile is one batch.
 /// What is smaller than a pixel and touches no corner is missed.
 ///
-/// Source: Whitted, Communications of the ACM 23(6), 1980, section "Anti-aliasing".
+/// Source: Whitted, "An Improved Illumination Model for Shaded Display", Communications of the ACM 23(6), 1980.
 pub(crate) fn render_tile(
     tracer: &mut Tracer,
     frame: &CameraFrame,
@@ -45,12 +45,18 @@ pub(crate) fn render_tile(
     means
 }
 
-/// Tells whether any two corners differ by more than `threshold` in a channel, as far as a screen shows it.
+/// Tells whether the contrast of the corners exceeds `threshold` in any channel.
+///
+/// ```text
+/// contrast = (max − min) / (max + min)
+/// ```
+/// It does not depend on the exposure, so that dim and bright scenes are divided alike.
+///
+/// Source: Mitchell, "Generating Antialiased Images at Low Sampling Densities", SIGGRAPH 1987.
 fn differ(corners: &[Vec3; 4], threshold: f32) -> bool {
-    let shown = corners.map(|c| c.clamp(Vec3::ZERO, Vec3::ONE));
-    let least = shown.iter().copied().reduce(Vec3::min).unwrap_or_default();
-    let most = shown.iter().copied().reduce(Vec3::max).unwrap_or_default();
-    (most - least).max_element() > threshold
+    let [a, b, c, d] = *corners;
+    let (least, most) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
+    (most - least).cmpgt((most + least) * threshold).any()
 }
 
 /// One cell a pixel; neighbours share their corner samples.

@@ -121,7 +121,7 @@ fn render_tile(
     tile: Tile,
 ) -> Vec<Vec3> {
     match settings.sampling {
-        Sampling::Fixed { spp } => render_fixed(tracer, frame, tile, spp, settings.seed),
+        Sampling::Fixed { spp } => render_fixed(tracer, frame, tile, spp.max(1), settings.seed),
         Sampling::Adaptive { threshold, levels } => {
             adaptive::render_tile(tracer, frame, tile, threshold, levels)
         }

@@ -214,7 +214,9 @@ impl<'a> SceneBvh<'a> {
         if let Geometry::Mesh(id) = instance.geometry
             && !material.shows_back()
         {
-            let normal = self.scene.meshes[id.index()].triangle(hit.primitive as usize).normal();
+            let normal = self.scene.meshes[id.index()]
+                .triangle(hit.primitive as usize)
+                .normal();
             if (normal.dot(object_ray.dir) > 0.0) != instance.inside_out {
                 return true;
             }

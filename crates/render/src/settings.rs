@@ -21,7 +21,7 @@ pub enum Sampling {
     /// A sample at every pixel corner; a pixel whose corners differ is divided into four, again and
     /// again (Whitted 1980).
     Adaptive {
-        /// Greatest difference of two corners, in any colour channel clipped to `[0, 1]`, that is not divided.
+        /// Greatest contrast `(max − min)/(max + min)` of the corners, in any colour channel, that is not divided.
         threshold: f32,
         /// How often a pixel may be divided; 3 gives up to 81 samples a pixel.
         levels: u32,
@@ -51,10 +51,11 @@ pub struct Settings {
     pub crop: Option<[u32; 4]>,
     /// Where the eye rays go.
     pub sampling: Sampling,
-    /// Greatest number of mirrored or refracted rays one after the other; 0 is ray casting.
+    /// Greatest number of mirrored or refracted rays one after the other, at most 65,535. With 0 Whitted's method shows
+    /// mirrors and glass by their highlights alone; ray casting, which expects no such rays, lights them by the sky.
     pub depth: u32,
-    /// Rays whose weight falls below this in every channel are not traced (Hall & Greenberg 1983), nor is light of
-    /// which a surface reflects less than this share. 1/256 is one step of an 8-bit picture.
+    /// Rays whose weight falls below this in every channel are not traced (Hall & Greenberg 1983). The default, 1/256,
+    /// loses that part of the light of what is seen by many reflections; lower it for faint images of bright things.
     pub min_weight: f32,
     /// Whether lights cast shadows.
     pub shadows: bool,

@@ -135,7 +135,8 @@ impl ShadeBlock {
         queue: &Queue,
         next: &mut Queue,
     ) {
-        let may_go_on = |state: &RayState| u32::from(state.depth) < settings.depth;
+        let depth = settings.depth.min(u32::from(u16::MAX));
+        let may_go_on = |state: &RayState| u32::from(state.depth) < depth;
         let states = || members.iter().map(|m| &queue.states[m.0 as usize]);
         if settings.method == Method::RayCast || !states().any(may_go_on) {
             return;

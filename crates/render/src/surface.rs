@@ -1,7 +1,8 @@
 //! From a hit to everything that shading needs: position, normals, material at the point.
 
 use crate::{
-    AlphaMode, Bsdf, Geometry, Instance, Material, Scene, SceneBvh, TextureRef, mesh_point::mesh_point,
+    AlphaMode, Bsdf, Geometry, Instance, Material, Scene, SceneBvh, TextureRef,
+    mesh_point::mesh_point,
 };
 use umbriel_kernels::{
     Hit, Ray, gamma,

@@ -179,8 +179,7 @@ impl<'a> Tracer<'a> {
                         );
                         let (surfaces, seen) = (&block.surfaces, &block.seen);
                         let lights = &self.bvh.scene().lights;
-                        self.direct
-                            .add(lights, surfaces, seen, self.settings.min_weight);
+                        self.direct.add(lights, surfaces, seen);
                     },
                 );
             }
