@@ -60,6 +60,13 @@ fn convex_surface(random: &mut Random, center: Vec3, size: f32) -> Surface {
     }
 }
 
+fn is_flat(surface: &Surface) -> bool {
+    matches!(
+        surface,
+        Surface::Plane(_) | Surface::Disk(_) | Surface::Rectangle(_)
+    )
+}
+
 fn random_transform(random: &mut Random, scale: f32) -> Affine3A {
     let angles = random.vec3(-3.0, 3.0);
     let rotation = Quat::from_euler(EulerRot::XYZ, angles.x, angles.y, angles.z);
@@ -67,9 +74,16 @@ fn random_transform(random: &mut Random, scale: f32) -> Affine3A {
     Affine3A::from_scale_rotation_translation(stretch, rotation, random.direction() * scale)
 }
 
-/// Sends rays at the only instance of a scene and counts those that, having left it, hit it again.
-/// Gives (hits, self-hits).
-fn count(scene: &Scene, random: &mut Random, target: Vec3, size: f32) -> (usize, usize) {
+/// Sends rays at the only instance of a scene and counts those that, having left it, hit it again. A ray that leaves a
+/// body on its inside must hit it again and is not judged; a flat surface is judged on both sides.
+/// Gives (judged, self-hits).
+fn count(
+    scene: &Scene,
+    random: &mut Random,
+    target: Vec3,
+    size: f32,
+    flat: bool,
+) -> (usize, usize) {
     let bvh = SceneBvh::build(scene);
     let (mut hits, mut bad) = (0, 0);
     for _ in 0..RAYS_PER_SHAPE {
@@ -86,9 +100,9 @@ fn count(scene: &Scene, random: &mut Random, target: Vec3, size: f32) -> (usize,
         let origin = offset_origin(surface.p, surface.error, surface.ng, dir);
         let mut occluded = [false];
         bvh.occluded(&[Ray::new(origin, dir)], &mut occluded);
-        hits += 1;
-        if occluded[0] && surface.front {
-            bad += 1;
+        if flat || surface.front {
+            hits += 1;
+            bad += usize::from(occluded[0]);
         }
     }
     (hits, bad)
@@ -103,7 +117,7 @@ fn single(geometry: Geometry, transform: Affine3A) -> Scene {
 #[test]
 fn surfaces_do_not_hit_themselves() {
     let mut random = Random(1);
-    let (mut hits, mut bad) = (0, 0);
+    let mut hits = 0;
     for i in 0..SHAPES {
         let size = random.log_range(SCALES.0, SCALES.1);
         let center = random.direction() * random.log_range(SCALES.0, SCALES.1);
@@ -121,13 +135,12 @@ fn surfaces_do_not_hit_themselves() {
             &mut random,
             transform.transform_point3(center),
             size,
+            is_flat(&surface),
         );
         hits += h;
-        bad += b;
         assert_eq!(b, 0, "{surface:?} under {transform:?}");
     }
     assert!(hits > 1_000_000, "only {hits} rays hit");
-    assert_eq!(bad, 0, "of {hits} hits");
 }
 
 #[test]
@@ -155,6 +168,7 @@ fn triangles_do_not_hit_themselves() {
             &mut random,
             transform.transform_point3(center),
             size,
+            true,
         );
         hits += h;
         assert_eq!(b, 0, "{:?} under {transform:?}", scene.meshes[0].positions);
