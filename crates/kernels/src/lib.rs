@@ -5,18 +5,18 @@
 //!
 //! | topic | slide | source | twin |
 //! |---|---|---|---|
-//! | sphere | [`intersect_sphere`] | Haines, Günther & Akenine-Möller 2019 | - |
-//! | plane | [`intersect_plane`] | Glassner 1989 | - |
+//! | sphere | [`intersect_sphere`] | Haines, Günther & Akenine-Möller 2019 | [`SurfaceList`] |
+//! | plane | [`intersect_plane`] | Glassner 1989 | [`SurfaceList`] |
 //! | disk | [`intersect_disk`] | Glassner 1989 | - |
-//! | rectangle | [`intersect_rectangle`] | Glassner 1989 | - |
+//! | rectangle | [`intersect_rectangle`] | Glassner 1989 | [`SurfaceList`] |
 //! | solid box | [`intersect_cuboid`] | Kay & Kajiya 1986 | - |
 //! | cylinder | [`intersect_cylinder`] | Cychosz & Waggenspack 1994 | - |
 //! | cone, truncated cone | [`intersect_cone`] | Cychosz & Waggenspack 1994 | - |
 //! | torus | [`intersect_torus`] | Hanrahan 1989 | - |
 //! | triangle | [`intersect_triangle`] | Möller & Trumbore 1997 | - |
 //! | triangle, watertight | [`intersect_triangle_watertight`] | Woop, Benthin & Wald 2013 | - |
-//! | bounding box | [`intersect_aabb`] | Kay & Kajiya 1986, Ize 2013 | - |
-//! | hierarchy of boxes | [`Bvh`] | Wald 2007 | - |
+//! | bounding box | [`intersect_aabb`] | Kay & Kajiya 1986, Ize 2013 | in [`Bvh`], four boxes at once |
+//! | hierarchy of boxes | [`Bvh`] | Wald 2007; Wald, Benthin & Boulos 2008 | - |
 //! | start of a secondary ray | [`offset_origin`] | Pharr, Jakob & Humphreys 2023 | - |
 //! | roots of polynomials | [`polynomial`] | Press et al. 2007 | - |
 //!

@@ -1,13 +1,18 @@
 //! Layers of facts beside the picture: what the ray through each pixel's centre hits.
 
-use crate::{Aov, Camera, Layer, SceneBvh, Settings, surface::surface_interaction};
+use crate::{Aov, Camera, CameraFrame, Layer, SceneBvh, Settings, surface::surface_interaction};
 use rayon::prelude::*;
 use umbriel_kernels::{
     Hit, Ray,
     glam::{Vec2, Vec3},
 };
 
+/// Rows that are traced at once; what is kept of them is the layers alone.
+const BAND: u32 = 64;
+
 /// Renders the layers for the whole picture; outside of the crop they are as where nothing is hit.
+///
+/// A partly transparent surface counts like an opaque one: the layers tell of the first thing that is met.
 pub fn render_aovs(
     bvh: &SceneBvh,
     camera: &Camera,
@@ -15,34 +20,50 @@ pub fn render_aovs(
     aovs: &[Aov],
 ) -> Vec<Layer> {
     let [width, height] = settings.resolution;
-    let [x0, y0, x1, y1] = settings.crop.unwrap_or([0, 0, width, height]);
     let frame = camera.frame(settings.resolution);
-    let rows: Vec<Vec<(Ray, Option<Hit>)>> = (0..height)
-        .into_par_iter()
-        .map(|y| {
-            let rays: Vec<Ray> = (0..width)
-                .map(|x| frame.ray(Vec2::new(x as f32 + 0.5, y as f32 + 0.5)))
-                .collect();
-            let mut hits = vec![None; rays.len()];
-            if (y0..y1).contains(&y) {
-                let columns = x0 as usize..x1 as usize;
-                bvh.intersect(&rays[columns.clone()], &mut hits[columns]);
-            }
-            rays.into_iter().zip(hits).collect()
+    let mut layers: Vec<Layer> = aovs
+        .iter()
+        .map(|&aov| Layer {
+            aov,
+            channels: vec![Vec::with_capacity((width * height) as usize); aov.channels().len()],
         })
         .collect();
-    let layer = |&aov: &Aov| {
-        let values: Vec<[f32; 3]> = rows
-            .par_iter()
-            .flatten_iter()
-            .map(|(ray, hit)| value(bvh, frame.forward, aov, ray, hit.as_ref()))
+    for top in (0..height).step_by(BAND as usize) {
+        let rows: Vec<Vec<(Ray, Option<Hit>)>> = (top..height.min(top + BAND))
+            .into_par_iter()
+            .map(|y| trace_row(bvh, &frame, settings, y))
             .collect();
-        let channels = (0..aov.channels().len())
-            .map(|c| values.iter().map(|v| v[c]).collect())
-            .collect();
-        Layer { aov, channels }
-    };
-    aovs.iter().map(layer).collect()
+        for Layer { aov, channels } in &mut layers {
+            let value = |(ray, hit): &(Ray, Option<Hit>)| {
+                value(bvh, frame.forward, *aov, ray, hit.as_ref())
+            };
+            let values: Vec<[f32; 3]> = rows.par_iter().flatten_iter().map(value).collect();
+            for (c, channel) in channels.iter_mut().enumerate() {
+                channel.extend(values.iter().map(|v| v[c]));
+            }
+        }
+    }
+    layers
+}
+
+/// The rays through the centres of row `y`, with what they hit inside the crop.
+fn trace_row(
+    bvh: &SceneBvh,
+    frame: &CameraFrame,
+    settings: &Settings,
+    y: u32,
+) -> Vec<(Ray, Option<Hit>)> {
+    let [width, height] = settings.resolution;
+    let [x0, y0, x1, y1] = settings.crop.unwrap_or([0, 0, width, height]);
+    let rays: Vec<Ray> = (0..width)
+        .map(|x| frame.ray(Vec2::new(x as f32 + 0.5, y as f32 + 0.5)))
+        .collect();
+    let mut hits = vec![None; rays.len()];
+    if (y0..y1).contains(&y) {
+        let columns = x0 as usize..x1 as usize;
+        bvh.intersect(&rays[columns.clone()], &mut hits[columns]);
+    }
+    rays.into_iter().zip(hits).collect()
 }
 
 fn value(bvh: &SceneBvh, forward: Vec3, aov: Aov, ray: &Ray, hit: Option<&Hit>) -> [f32; 3] {

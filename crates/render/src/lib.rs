@@ -6,8 +6,11 @@
 //!
 //! | topic | function | source |
 //! |---|---|---|
+//! | ray casting, Whitted's ray tracing | [`render()`] with a [`Method`] | Appel 1968; Whitted 1980 |
+//! | adaptive anti-aliasing | [`Sampling::Adaptive`] | Whitted 1980; Mitchell 1987 |
 //! | pinhole camera: rays, projection | [`CameraFrame::ray`], [`Camera::view_projection`] | |
 //! | a hit becomes a point of a surface | [`surface_interaction`] | Pharr, Jakob & Humphreys 2023 (error bounds) |
+//! | tangent-space normal maps | in [`surface_interaction`] | glTF 2.0, 2021 |
 //! | shadow terminator of smooth meshes | in [`surface_interaction`] | Hanika 2021 |
 //! | reflection, refraction | [`reflect`], [`refract`] | Heckbert 1989 |
 //! | Fresnel | [`fresnel_dielectric`], [`fresnel_schlick`] | Hecht; Schlick 1994 |

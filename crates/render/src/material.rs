@@ -61,11 +61,12 @@ pub struct Material {
     pub transmission: f32,
     /// Multiplies `transmission` by its red channel.
     pub transmission_texture: Option<TextureRef>,
-    /// Index of refraction relative to air, at least 1.
+    /// Index of refraction relative to air, at least 1. Bodies lie in air: a bubble in glass is a surface turned
+    /// inside out ([`Instance::inside_out`](crate::Instance::inside_out)), not a body of air in it.
     pub ior: f32,
     /// The surface is an infinitely thin sheet: transmitted light is not bent.
     pub thin_walled: bool,
-    /// The colour that white light has after `attenuation_distance` inside; components in `(0, 1]`.
+    /// The colour that white light has after `attenuation_distance` inside; components in `[0, 1]`.
     pub attenuation_color: Vec3,
     /// Distance in metres of the Beer-Lambert law; infinite for a clear medium.
     pub attenuation_distance: f32,

@@ -35,7 +35,17 @@ pub(crate) fn check_camera(camera: &Camera) -> Check {
             )?;
         }
     }
-    check_positive("near", camera.near)?;
+    if matches!(camera.projection, Projection::Perspective { .. }) {
+        check_positive("near", camera.near)?;
+    } else {
+        let expected = "0 or greater, and finite";
+        check(
+            camera.near >= 0.0 && camera.near.is_finite(),
+            "near",
+            camera.near,
+            expected,
+        )?;
+    }
     check(
         camera.far > camera.near,
         "far",
