@@ -19,7 +19,10 @@ fn main() {
         eprintln!("usage: torus_knot PATH SEGMENTS SIDES");
         std::process::exit(2);
     };
-    let (segments, sides): (u32, u32) = (segments.parse().expect("a number"), sides.parse().expect("a number"));
+    let (segments, sides): (u32, u32) = (
+        segments.parse().expect("a number"),
+        sides.parse().expect("a number"),
+    );
 
     let mut file = format!(
         "ply\nformat binary_little_endian 1.0\ncomment torus knot, {segments} x {sides}\n\
@@ -47,7 +50,12 @@ fn main() {
     for i in 0..segments {
         for j in 0..sides {
             let vertex = |i: u32, j: u32| (i % segments) * sides + j % sides;
-            let [a, b, c, d] = [vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)];
+            let [a, b, c, d] = [
+                vertex(i, j),
+                vertex(i + 1, j),
+                vertex(i + 1, j + 1),
+                vertex(i, j + 1),
+            ];
             for triangle in [[a, b, c], [a, c, d]] {
                 file.push(3);
                 file.extend(triangle.iter().flat_map(|k| k.to_le_bytes()));

@@ -1,15 +1,12 @@
 //! A camera and lights for scenes that have none.
 
 use crate::Report;
-use umbriel_kernels::{
-    Aabb,
-    glam::Vec3,
-};
+use umbriel_kernels::{Aabb, glam::Vec3};
 use umbriel_render::{Camera, DirectionalLight, Geometry, Light, Scene};
 
 /// Vertical field of view of the framing camera, in degrees.
 const FOV_DEGREES: f32 = 40.0;
-/// Width over height that the framed model fits into; wider pictures show more at the sides.
+/// Width over height of a picture of unknown size.
 const ASPECT: f32 = 4.0 / 3.0;
 /// The picture over the model in it.
 const MARGIN: f32 = 1.12;
@@ -18,12 +15,20 @@ const FLAT: f32 = 0.02;
 
 /// Gives a scene without a camera one that frames everything, and a scene without light a sky and a sun;
 /// says each in one note.
-pub fn complete_scene(scene: &mut Scene, report: &mut Report) {
+///
+/// `resolution` is the size of the picture to be; 4:3 where it is not known.
+pub fn complete_scene(scene: &mut Scene, resolution: Option<[u32; 2]>, report: &mut Report) {
     if scene.cameras.is_empty() {
         let points = points(scene);
         let (view, what) = view_direction(Aabb::from_points(points.iter().copied()));
-        scene.cameras.push(frame(&points, view));
-        report.note(format!("no camera in the file: framed automatically, {what}"));
+        let aspect = match resolution {
+            Some([width, height]) if width > 0 && height > 0 => width as f32 / height as f32,
+            _ => ASPECT,
+        };
+        scene.cameras.push(frame(&points, view, aspect));
+        report.note(format!(
+            "no camera in the file: framed automatically, {what}"
+        ));
     }
     if is_dark(scene) {
         add_daylight(scene);
@@ -85,7 +90,7 @@ fn view_direction(bounds: Aabb) -> (Vec3, &'static str) {
 /// ```
 /// so the greatest left sides `A` and `B` over all points give `d = (A + B)/(2 tan)` and `e = (A − B)/2`;
 /// likewise for x. The greater distance sees both.
-fn frame(points: &[Vec3], back: Vec3) -> Camera {
+fn frame(points: &[Vec3], back: Vec3, aspect: f32) -> Camera {
     let fov = FOV_DEGREES.to_radians();
     let right = Vec3::Y.cross(back).normalize();
     let up = back.cross(right);
@@ -98,19 +103,31 @@ fn frame(points: &[Vec3], back: Vec3) -> Camera {
         ((a + b) / (2.0 * tan), (a - b) / 2.0)
     };
     let tan = (0.5 * fov).tan() / MARGIN;
-    let (across, x) = fit(right, tan * ASPECT);
+    let (across, x) = fit(right, tan * aspect);
     let (along, y) = fit(up, tan);
     let depth = |p: &Vec3| p.dot(back);
     let nearest = points.iter().map(depth).fold(f32::NEG_INFINITY, f32::max);
     let farthest = points.iter().map(depth).fold(f32::INFINITY, f32::min);
-    let size = points.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
+    let size = points
+        .iter()
+        .map(|p| p.abs().max_element())
+        .fold(0.0, f32::max);
     // A model without extent is seen from a distance in proportion to its coordinates.
-    let least = nearest + (0.1 * (nearest - farthest)).max(1e-4 * size).max(1e-9);
+    let least = nearest
+        + (0.1 * (nearest - farthest))
+            .max(1e-4 * size)
+            .max(f32::MIN_POSITIVE);
     let distance = across.max(along).max(least);
     let eye = right * x + up * y + back * distance;
     Camera {
         near: 0.5 * (distance - nearest),
-        ..Camera::look_at("automatic", eye, eye - back * (distance - nearest).max(1e-3 * size), Vec3::Y, fov)
+        ..Camera::look_at(
+            "automatic",
+            eye,
+            eye - back * (distance - nearest).max(1e-3 * size),
+            Vec3::Y,
+            fov,
+        )
     }
 }
 
@@ -160,16 +177,27 @@ mod tests {
     fn the_frame_is_full_and_nothing_is_cut() {
         for scale in [1e-4, 1.0, 1e5] {
             for center in [Vec3::ZERO, Vec3::new(30.0, -50.0, 20.0)] {
-                let shape = [[-1.0, 0.0, 2.0], [1.0, 3.0, 0.5], [0.0, -1.0, -4.0], [0.3, 0.2, 1.0]];
+                let shape = [
+                    [-1.0, 0.0, 2.0],
+                    [1.0, 3.0, 0.5],
+                    [0.0, -1.0, -4.0],
+                    [0.3, 0.2, 1.0],
+                ];
                 let points: Vec<Vec3> = shape.map(|p| (Vec3::from(p) + center) * scale).to_vec();
-                let mut scene = scene_of(points.clone());
-                complete_scene(&mut scene, &mut Report::default());
-                let view = scene.cameras[0].view_projection(ASPECT);
-                let most = points
-                    .iter()
-                    .map(|&p| view.project_point3(p).truncate().abs().max_element())
-                    .fold(0.0, f32::max);
-                assert!((most - 1.0 / MARGIN).abs() < 0.01, "{scale} {center}: {most}");
+                for resolution in [None, Some([100, 400]), Some([400, 100])] {
+                    let mut scene = scene_of(points.clone());
+                    complete_scene(&mut scene, resolution, &mut Report::default());
+                    let aspect = resolution.map_or(ASPECT, |[w, h]| w as f32 / h as f32);
+                    let view = scene.cameras[0].view_projection(aspect);
+                    let most = points
+                        .iter()
+                        .map(|&p| view.project_point3(p).truncate().abs().max_element())
+                        .fold(0.0, f32::max);
+                    assert!(
+                        (most - 1.0 / MARGIN).abs() < 0.01,
+                        "{scale} {center}: {most}"
+                    );
+                }
             }
         }
     }
@@ -178,7 +206,7 @@ mod tests {
     fn nothing_and_a_point_are_framed_too() {
         for points in [vec![], vec![Vec3::ONE * 7.0]] {
             let mut scene = scene_of(points);
-            complete_scene(&mut scene, &mut Report::default());
+            complete_scene(&mut scene, None, &mut Report::default());
             assert_eq!(scene.validate(), Ok(()));
         }
     }
@@ -187,10 +215,10 @@ mod tests {
     fn daylight_comes_only_where_there_is_no_light() {
         let mut scene = scene_of(vec![Vec3::ONE]);
         let mut report = Report::default();
-        complete_scene(&mut scene, &mut report);
+        complete_scene(&mut scene, None, &mut report);
         assert!(report.daylight && report.notes.len() == 2);
         let mut again = Report::default();
-        complete_scene(&mut scene, &mut again);
+        complete_scene(&mut scene, None, &mut again);
         assert_eq!(again, Report::default());
     }
 }

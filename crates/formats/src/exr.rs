@@ -77,7 +77,13 @@ pub fn encode_exr(image: &Image, layers: &[Layer], info: &ExrInfo) -> Vec<u8> {
 /// EXR names no encoding for its texts, and readers disagree: only ASCII means the same to all.
 fn text(text: &str) -> Text {
     let plain = |c: char| c.is_ascii() && !c.is_ascii_control();
-    let escaped = text.chars().map(|c| if plain(c) { c.to_string() } else { c.escape_default().to_string() });
+    let escaped = text.chars().map(|c| {
+        if plain(c) {
+            c.to_string()
+        } else {
+            c.escape_default().to_string()
+        }
+    });
     Text::from(escaped.collect::<String>().as_str())
 }
 

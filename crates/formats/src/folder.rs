@@ -35,7 +35,11 @@ impl NameError {
 ///
 /// Relative names only, without `..`; symbolic links must not leave the folder of `base_file`.
 /// Environment variables, `~` and the like are never expanded.
-pub(crate) fn resolve(base_file: &Path, name: &str, syntax: NameSyntax) -> Result<PathBuf, NameError> {
+pub(crate) fn resolve(
+    base_file: &Path,
+    name: &str,
+    syntax: NameSyntax,
+) -> Result<PathBuf, NameError> {
     let forbid = |why: &str| NameError::Forbidden(format!("\"{}\" {why}", shorten(name)));
     let decoded = match syntax {
         NameSyntax::Uri => decode_percent(name).ok_or_else(|| forbid("is not a valid URI"))?,
@@ -48,11 +52,14 @@ pub(crate) fn resolve(base_file: &Path, name: &str, syntax: NameSyntax) -> Resul
         _ => Path::new("."),
     };
     let path = folder.join(&decoded);
-    let missing = |error: std::io::Error| NameError::Missing(format!("\"{}\": {error}", shorten(name)));
+    let missing =
+        |error: std::io::Error| NameError::Missing(format!("\"{}\": {error}", shorten(name)));
     let canonical = path.canonicalize().map_err(missing)?;
     let root = folder.canonicalize().map_err(missing)?;
     if !canonical.starts_with(&root) {
-        return Err(forbid("leaves the folder through a link; files outside the folder are not read"));
+        return Err(forbid(
+            "leaves the folder through a link; files outside the folder are not read",
+        ));
     }
     if !canonical.is_file() {
         return Err(forbid("is not a regular file"));
@@ -81,7 +88,14 @@ fn check_name(name: &str) -> Result<(), &'static str> {
         return Err("has a scheme or drive; expected a relative name");
     }
     let mut components = Path::new(name).components();
-    if name.starts_with('/') || !components.clone().all(|c| matches!(c, Component::Normal(_) | Component::CurDir | Component::ParentDir)) {
+    if name.starts_with('/')
+        || !components.clone().all(|c| {
+            matches!(
+                c,
+                Component::Normal(_) | Component::CurDir | Component::ParentDir
+            )
+        })
+    {
         return Err("is absolute; expected a relative name");
     }
     if components.any(|c| c == Component::ParentDir) {
@@ -140,16 +154,34 @@ mod tests {
         fs::write(inside.join("textures/A..B.png"), "x").unwrap();
         let base = inside.join("scene.gltf");
         for name in [
-            "../secret", "textures/../../secret", "%2e%2e/secret", "%2E%2e%2fsecret", "/etc/passwd",
-            "file:///etc/passwd", "http://example.org/a.png", "HTTPS://example.org/a.png", "C:\\x", "C:/x",
-            "a%00b", "a\\b", "", "a%zz", "textures",
+            "../secret",
+            "textures/../../secret",
+            "%2e%2e/secret",
+            "%2E%2e%2fsecret",
+            "/etc/passwd",
+            "file:///etc/passwd",
+            "http://example.org/a.png",
+            "HTTPS://example.org/a.png",
+            "C:\\x",
+            "C:/x",
+            "a%00b",
+            "a\\b",
+            "",
+            "a%zz",
+            "textures",
         ] {
             let found = resolve(&base, name, NameSyntax::Uri);
-            assert!(matches!(found, Err(NameError::Forbidden(_))), "{name}: {found:?}");
+            assert!(
+                matches!(found, Err(NameError::Forbidden(_))),
+                "{name}: {found:?}"
+            );
         }
         for name in ["`id`", "$(id)", "~/x", "%252e%252e/secret"] {
             let found = resolve(&base, name, NameSyntax::Uri);
-            assert!(matches!(found, Err(NameError::Missing(_))), "{name}: {found:?}");
+            assert!(
+                matches!(found, Err(NameError::Missing(_))),
+                "{name}: {found:?}"
+            );
         }
         assert!(resolve(&base, "textures/A%2E.B.png", NameSyntax::Uri).is_ok());
         assert!(resolve(&base, "./textures/A..B.png", NameSyntax::Plain).is_ok());

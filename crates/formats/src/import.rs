@@ -37,9 +37,15 @@ pub fn import_model(path: &Path, report: &mut Report) -> Result<Scene, FileError
 
 /// A scene of one mesh, in the default material but less rough, so that its shape can be read.
 fn scene_of_mesh(path: &Path, mut mesh: Mesh) -> Scene {
-    let name = path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
+    let name = path
+        .file_stem()
+        .map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     mesh.name.clone_from(&name);
-    let base_color = if mesh.colors.is_empty() { Vec3::splat(0.7) } else { Vec3::ONE };
+    let base_color = if mesh.colors.is_empty() {
+        Vec3::splat(0.7)
+    } else {
+        Vec3::ONE
+    };
     Scene {
         meshes: vec![mesh],
         instances: vec![Instance {
@@ -87,7 +93,11 @@ fn clean_mesh(mesh: &mut Mesh, report: &mut Report) {
         *uv = Vec2::ZERO;
     }
     for color in &mut mesh.colors {
-        *color = if color.is_finite() { color.clamp(Vec4::ZERO, Vec4::ONE) } else { Vec4::ONE };
+        *color = if color.is_finite() {
+            color.clamp(Vec4::ZERO, Vec4::ONE)
+        } else {
+            Vec4::ONE
+        };
     }
     for tangent in &mut mesh.tangents {
         let axis = tangent.truncate().try_normalize().unwrap_or(Vec3::X);

@@ -35,17 +35,17 @@ mod texture_file;
 mod words;
 mod write;
 
+pub use self::exr::{ExrInfo, encode_exr};
 pub use complete::complete_scene;
 pub use error::{ErrorKind, FileError, Place};
-pub use self::exr::{ExrInfo, encode_exr};
 pub use import::import_model;
 pub use png::encode_png;
 pub use read_image::{PictureKind, read_image};
 pub use report::{Report, one_line};
 pub use scene_file::{LoadOptions, Loaded, SceneSettings, load_scene, scene_schema};
 pub use texture_file::load_texture;
-pub use write::{check_inputs, check_output, write_file};
 pub use umbriel_render as render;
+pub use write::{check_inputs, check_output, write_file};
 
 /// The README's program must compile.
 #[cfg(doctest)]

@@ -45,10 +45,16 @@ struct Reader {
 /// a vertex position are its colour, in sRGB.
 ///
 /// Source: Wavefront, Advanced Visualizer Manual, appendix B1, "Object Files", 1995.
-pub(crate) fn import_obj(path: &Path, bytes: &[u8], report: &mut Report) -> Result<Scene, FileError> {
+pub(crate) fn import_obj(
+    path: &Path,
+    bytes: &[u8],
+    report: &mut Report,
+) -> Result<Scene, FileError> {
     let text = Text::new(path, bytes)?;
     let mut reader = Reader {
-        name: path.file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned()),
+        name: path
+            .file_stem()
+            .map_or(String::new(), |stem| stem.to_string_lossy().into_owned()),
         ..Reader::default()
     };
     for (start, end) in text.lines() {
@@ -98,10 +104,19 @@ impl Reader {
             // Smoothing groups tell programs without normals how to make some.
             b"s" => {}
             b"p" | b"l" => report.ignore("points or lines"),
-            _ if first.bytes.iter().all(|b| b.is_ascii_alphanumeric() || *b == b'_') => {
+            _ if first
+                .bytes
+                .iter()
+                .all(|b| b.is_ascii_alphanumeric() || *b == b'_') =>
+            {
                 report.ignore(format!("OBJ statement {}", first.text()));
             }
-            _ => return Err(text.unexpected(Some(first), "an OBJ statement (v, vt, vn, f, o, g, usemtl, mtllib)")),
+            _ => {
+                return Err(text.unexpected(
+                    Some(first),
+                    "an OBJ statement (v, vt, vn, f, o, g, usemtl, mtllib)",
+                ));
+            }
         }
         Ok(())
     }
@@ -109,22 +124,38 @@ impl Reader {
     /// `v x y z`, `v x y z w` or `v x y z r g b`.
     fn vertex<'a>(&mut self, text: &Text<'a>, words: Words<'a>) -> Result<(), FileError> {
         let mut numbers = Vec::with_capacity(6);
-        let end = words.clone().last().map_or(words.position(), |w| w.at + w.bytes.len());
+        let end = words
+            .clone()
+            .last()
+            .map_or(words.position(), |w| w.at + w.bytes.len());
         for word in words.take_while(|w| !w.bytes.starts_with(b"#")) {
-            numbers.push(word.parse::<f32>().ok_or_else(|| text.unexpected(Some(word), "a number"))?);
+            numbers.push(
+                word.parse::<f32>()
+                    .ok_or_else(|| text.unexpected(Some(word), "a number"))?,
+            );
         }
         if numbers.len() < 3 {
-            return Err(text.error(end, format!("a vertex of {} numbers; expected 3", numbers.len())));
+            return Err(text.error(
+                end,
+                format!("a vertex of {} numbers; expected 3", numbers.len()),
+            ));
         }
         if let &[_, _, _, r, g, b, ..] = &numbers[..] {
             self.colors.resize(self.positions.len(), Vec4::ONE);
-            self.colors.push(mtl::linear(Vec3::new(r, g, b)).extend(1.0));
+            self.colors
+                .push(mtl::linear(Vec3::new(r, g, b)).extend(1.0));
         }
-        self.positions.push(Vec3::new(numbers[0], numbers[1], numbers[2]));
+        self.positions
+            .push(Vec3::new(numbers[0], numbers[1], numbers[2]));
         Ok(())
     }
 
-    fn face<'a>(&mut self, text: &Text<'a>, first: Word, words: Words<'a>) -> Result<(), FileError> {
+    fn face<'a>(
+        &mut self,
+        text: &Text<'a>,
+        first: Word,
+        words: Words<'a>,
+    ) -> Result<(), FileError> {
         let material = self.current_material();
         let key = (self.name.clone(), material);
         let next = self.groups.len();
@@ -145,7 +176,10 @@ impl Reader {
         }
         let n = group.corners.len() - start;
         if n < 3 {
-            return Err(text.error(first.at, format!("a face of {n} corners; expected at least 3")));
+            return Err(text.error(
+                first.at,
+                format!("a face of {n} corners; expected at least 3"),
+            ));
         }
         group.polygons.push((first.at, start..start + n));
         Ok(())
@@ -174,9 +208,19 @@ impl Reader {
     }
 
     /// `mtllib NAME`: one name with spaces if there is such a file, several names otherwise.
-    fn library(&mut self, text: &Text, names: &str, at: usize, report: &mut Report) -> Result<(), FileError> {
+    fn library(
+        &mut self,
+        text: &Text,
+        names: &str,
+        at: usize,
+        report: &mut Report,
+    ) -> Result<(), FileError> {
         let whole = folder::resolve(text.path, names, NameSyntax::Plain);
-        let each: Vec<&str> = if whole.is_ok() { vec![names] } else { names.split_whitespace().collect() };
+        let each: Vec<&str> = if whole.is_ok() {
+            vec![names]
+        } else {
+            names.split_whitespace().collect()
+        };
         for name in each {
             match folder::resolve(text.path, name, NameSyntax::Plain) {
                 Ok(path) => {
@@ -184,7 +228,10 @@ impl Reader {
                     let library = Text::new(&path, &bytes)?;
                     mtl::read_mtl(&library, &mut self.scene, &mut self.materials, report)?;
                 }
-                Err(NameError::Missing(_)) => report.ignore(format!("missing material library {}", folder::shorten(name))),
+                Err(NameError::Missing(_)) => report.ignore(format!(
+                    "missing material library {}",
+                    folder::shorten(name)
+                )),
                 Err(NameError::Forbidden(why)) => return Err(text.error(at + 1, why)),
             }
         }
@@ -220,22 +267,41 @@ impl Reader {
                         mesh.normals.push(normal.copied().unwrap_or_default());
                     }
                     if !self.colors.is_empty() {
-                        mesh.colors.push(p.and_then(|p| self.colors.get(p as usize).copied()).unwrap_or(Vec4::ONE));
+                        mesh.colors.push(
+                            p.and_then(|p| self.colors.get(p as usize).copied())
+                                .unwrap_or(Vec4::ONE),
+                        );
                     }
                     mesh.positions.len() as u32 - 1
                 }));
             }
             let triangles = polygon::triangulate(&points);
-            mesh.indices.extend(triangles.into_iter().map(|t| t.map(|corner| vertices[corner])));
+            mesh.indices.extend(
+                triangles
+                    .into_iter()
+                    .map(|t| t.map(|corner| vertices[corner])),
+            );
         }
         Ok(mesh)
     }
 }
 
-fn get<'v, T>(text: &Text, at: usize, what: &str, list: &'v [T], index: Option<u32>) -> Result<Option<&'v T>, FileError> {
+fn get<'v, T>(
+    text: &Text,
+    at: usize,
+    what: &str,
+    list: &'v [T],
+    index: Option<u32>,
+) -> Result<Option<&'v T>, FileError> {
     let Some(index) = index else { return Ok(None) };
     let found = list.get(index as usize);
-    let message = || format!("{what} {} does not exist; expected 1 to {}", u64::from(index) + 1, list.len());
+    let message = || {
+        format!(
+            "{what} {} does not exist; expected 1 to {}",
+            u64::from(index) + 1,
+            list.len()
+        )
+    };
     found.map(Some).ok_or_else(|| text.error(at, message()))
 }
 
@@ -251,11 +317,23 @@ fn read_corner(text: &Text, word: Word, lengths: [usize; 3]) -> Result<Corner, F
         if part.is_empty() {
             continue;
         }
-        let number: i64 = Word { at: word.at, bytes: part }.parse().ok_or_else(wrong)?;
-        let index = if number < 0 { lengths[i] as i64 + number } else { number - 1 };
+        let number: i64 = Word {
+            at: word.at,
+            bytes: part,
+        }
+        .parse()
+        .ok_or_else(wrong)?;
+        let index = if number < 0 {
+            lengths[i] as i64 + number
+        } else {
+            number - 1
+        };
         let what = ["vertex", "texture coordinate", "normal"][i];
         corner[i] = Some(u32::try_from(index).map_err(|_| {
-            let message = format!("{what} {number} does not exist; expected 1 to {}, or -1 to -{0}", lengths[i]);
+            let message = format!(
+                "{what} {number} does not exist; expected 1 to {}, or -1 to -{0}",
+                lengths[i]
+            );
             text.error(word.at, message)
         })?);
     }
@@ -263,13 +341,23 @@ fn read_corner(text: &Text, word: Word, lengths: [usize; 3]) -> Result<Corner, F
 }
 
 /// At least `least` numbers, missing ones 0; more than three are not read.
-fn read_vector<'a>(text: &Text<'a>, mut words: Words<'a>, least: usize) -> Result<[f32; 3], FileError> {
+fn read_vector<'a>(
+    text: &Text<'a>,
+    mut words: Words<'a>,
+    least: usize,
+) -> Result<[f32; 3], FileError> {
     let mut v = [0.0; 3];
     for (i, x) in v.iter_mut().enumerate() {
         let at = words.position();
         match words.next().filter(|w| !w.bytes.starts_with(b"#")) {
-            Some(word) => *x = word.parse().ok_or_else(|| text.unexpected(Some(word), "a number"))?,
-            None if i < least => return Err(text.error(at, format!("only {i} numbers; expected {least}"))),
+            Some(word) => {
+                *x = word
+                    .parse()
+                    .ok_or_else(|| text.unexpected(Some(word), "a number"))?
+            }
+            None if i < least => {
+                return Err(text.error(at, format!("only {i} numbers; expected {least}")));
+            }
             None => break,
         }
     }

@@ -44,7 +44,10 @@ pub(crate) fn read_ply(path: &Path, bytes: &[u8], report: &mut Report) -> Result
             "vertex" => read_vertices(&mut source, element, &mut mesh, report)?,
             "face" => faces.read(&mut source, element, report)?,
             _ => {
-                report.ignore_n(format!("PLY element {}", element.name), element.count as usize);
+                report.ignore_n(
+                    format!("PLY element {}", element.name),
+                    element.count as usize,
+                );
                 skip_element(&mut source, element)?;
             }
         }
@@ -60,23 +63,43 @@ fn refuse_splats(path: &Path, header: &Header) -> Result<(), FileError> {
         has("f_dc_0") || (has("scale_0") && has("rot_0")) || has("packed_position")
     };
     if header.elements.iter().any(is_splat) {
-        let message = "is a Gaussian splat cloud, which has no surface to draw; expected a mesh of polygons";
+        let message =
+            "is a Gaussian splat cloud, which has no surface to draw; expected a mesh of polygons";
         return Err(FileError::input(path, Place::File, message));
     }
     Ok(())
 }
 
-fn read_vertices(source: &mut Source, element: &Element, mesh: &mut Mesh, report: &mut Report) -> Result<(), FileError> {
-    let slot_of = |p: &Property| SLOTS.iter().position(|names| names.contains(&p.name.as_str()) && p.count.is_none());
+fn read_vertices(
+    source: &mut Source,
+    element: &Element,
+    mesh: &mut Mesh,
+    report: &mut Report,
+) -> Result<(), FileError> {
+    let slot_of = |p: &Property| {
+        SLOTS
+            .iter()
+            .position(|names| names.contains(&p.name.as_str()) && p.count.is_none())
+    };
     let slots: Vec<Option<usize>> = element.properties.iter().map(slot_of).collect();
-    let has = |range: std::ops::Range<usize>| range.into_iter().all(|slot| slots.contains(&Some(slot)));
+    let has =
+        |range: std::ops::Range<usize>| range.into_iter().all(|slot| slots.contains(&Some(slot)));
     if element.count > 0 && !has(0..3) {
         return Err(source.header_error("the vertices have no x, y and z"));
     }
-    for (property, _) in element.properties.iter().zip(&slots).filter(|(_, slot)| slot.is_none()) {
+    for (property, _) in element
+        .properties
+        .iter()
+        .zip(&slots)
+        .filter(|(_, slot)| slot.is_none())
+    {
         report.ignore(format!("PLY vertex property {}", property.name));
     }
-    let red = element.properties.iter().zip(&slots).find(|(_, slot)| **slot == Some(6));
+    let red = element
+        .properties
+        .iter()
+        .zip(&slots)
+        .find(|(_, slot)| **slot == Some(6));
     let color_type = red.map_or(Scalar::U8, |(property, _)| property.kind);
     let (normals, colors, uvs) = (has(3..6), has(6..9), has(10..12));
     for _ in 0..element.count {
@@ -97,7 +120,8 @@ fn read_vertices(source: &mut Source, element: &Element, mesh: &mut Mesh, report
             mesh.normals.push(Vec3::new(f[3], f[4], f[5]));
         }
         if colors {
-            mesh.colors.push(linear_color([v[6], v[7], v[8], v[9]], color_type));
+            mesh.colors
+                .push(linear_color([v[6], v[7], v[8], v[9]], color_type));
         }
         if uvs {
             mesh.uvs[0].push(Vec2::new(f[10], 1.0 - f[11]));
@@ -134,8 +158,15 @@ struct Faces {
 }
 
 impl Faces {
-    fn read(&mut self, source: &mut Source, element: &Element, report: &mut Report) -> Result<(), FileError> {
-        let is_corners = |p: &Property| p.count.is_some() && matches!(p.name.as_str(), "vertex_indices" | "vertex_index");
+    fn read(
+        &mut self,
+        source: &mut Source,
+        element: &Element,
+        report: &mut Report,
+    ) -> Result<(), FileError> {
+        let is_corners = |p: &Property| {
+            p.count.is_some() && matches!(p.name.as_str(), "vertex_indices" | "vertex_index")
+        };
         for property in element.properties.iter().filter(|p| !is_corners(p)) {
             report.ignore(format!("PLY face property {}", property.name));
         }
@@ -149,7 +180,8 @@ impl Faces {
                     let value = source.next(property.kind)?;
                     if is_corners(property) {
                         if !(0.0..=f64::from(u32::MAX)).contains(&value) || value.fract() != 0.0 {
-                            return Err(source.error(&format!("vertex {value} of face {face} does not exist")));
+                            return Err(source
+                                .error(&format!("vertex {value} of face {face} does not exist")));
                         }
                         self.corners.push(value as u32);
                     }
@@ -166,12 +198,21 @@ impl Faces {
             rest = tail;
             let vertices = mesh.positions.len();
             if let Some(bad) = polygon.iter().find(|&&i| i as usize >= vertices) {
-                let message = format!("face {face} uses vertex {bad}; expected less than {vertices}, their number");
+                let message = format!(
+                    "face {face} uses vertex {bad}; expected less than {vertices}, their number"
+                );
                 return Err(FileError::input(path, Place::File, message));
             }
-            let points: Vec<Vec3> = polygon.iter().map(|&i| mesh.positions[i as usize]).collect();
+            let points: Vec<Vec3> = polygon
+                .iter()
+                .map(|&i| mesh.positions[i as usize])
+                .collect();
             let triangles = polygon::triangulate(&points);
-            mesh.indices.extend(triangles.into_iter().map(|t| t.map(|corner| polygon[corner])));
+            mesh.indices.extend(
+                triangles
+                    .into_iter()
+                    .map(|t| t.map(|corner| polygon[corner])),
+            );
         }
         Ok(())
     }
@@ -180,7 +221,12 @@ impl Faces {
 /// The numbers after the header.
 enum Source<'a> {
     Text(Text<'a>, Words<'a>),
-    Binary { path: &'a Path, bytes: &'a [u8], at: usize, big: bool },
+    Binary {
+        path: &'a Path,
+        bytes: &'a [u8],
+        at: usize,
+        big: bool,
+    },
 }
 
 impl<'a> Source<'a> {
@@ -213,7 +259,10 @@ impl<'a> Source<'a> {
             Self::Binary { bytes, at, .. } => (bytes.len() - at) as u64,
         };
         let need = u128::from(each) * u128::from(element.count);
-        if need > u128::from(left) || element.count > u64::from(u32::MAX) || (each == 0 && element.count > 0) {
+        if need > u128::from(left)
+            || element.count > u64::from(u32::MAX)
+            || (each == 0 && element.count > 0)
+        {
             let message = format!(
                 "{} elements `{}` need at least {need} bytes; the file has {left} left",
                 element.count, element.name
@@ -231,16 +280,22 @@ impl<'a> Source<'a> {
     fn error(&self, message: &str) -> FileError {
         match self {
             Self::Text(text, words) => text.error(words.position(), message),
-            Self::Binary { path, at, .. } => FileError::input(*path, Place::Byte(*at as u64), message),
+            Self::Binary { path, at, .. } => {
+                FileError::input(*path, Place::Byte(*at as u64), message)
+            }
         }
     }
 
     /// 1 for a property that is no list.
     fn list_length(&mut self, property: &Property) -> Result<u32, FileError> {
-        let Some(kind) = property.count else { return Ok(1) };
+        let Some(kind) = property.count else {
+            return Ok(1);
+        };
         let value = self.next(kind)?;
         if value < 0.0 || value.fract() != 0.0 || value > f64::from(u32::MAX) {
-            return Err(self.error(&format!("a list has the length {value}; expected a whole number, at least 0")));
+            return Err(self.error(&format!(
+                "a list has the length {value}; expected a whole number, at least 0"
+            )));
         }
         Ok(value as u32)
     }
@@ -252,11 +307,20 @@ impl<'a> Source<'a> {
                 let value: Option<f64> = word.and_then(|w| w.parse());
                 value.ok_or_else(|| text.unexpected(word, "a number"))
             }
-            Self::Binary { path, bytes, at, big } => {
+            Self::Binary {
+                path,
+                bytes,
+                at,
+                big,
+            } => {
                 let size = kind.size();
                 let Some(number) = bytes.get(*at..*at + size) else {
                     let message = "the file ends inside an element; expected more bytes";
-                    return Err(FileError::input(*path, Place::Byte(bytes.len() as u64), message));
+                    return Err(FileError::input(
+                        *path,
+                        Place::Byte(bytes.len() as u64),
+                        message,
+                    ));
                 };
                 *at += size;
                 Ok(kind.value(number, *big))

@@ -130,34 +130,58 @@ pub(crate) fn read_header(path: &Path, bytes: &[u8]) -> Result<Header, FileError
     let mut elements: Vec<Element> = Vec::new();
     for (number, (start, end)) in text.lines().enumerate() {
         let words: Vec<Word> = text.words(start, end).collect();
-        let Some(&first) = words.first() else { continue };
+        let Some(&first) = words.first() else {
+            continue;
+        };
         if number == 0 && first.bytes != b"ply" {
             break;
         }
         match first.bytes {
             b"end_header" => {
-                let form = form.ok_or_else(|| text.error(first.at, "no `format` line before the end of the header"))?;
+                let form = form.ok_or_else(|| {
+                    text.error(first.at, "no `format` line before the end of the header")
+                })?;
                 // CR LF is one end; after a CR alone the data may begin with the byte of an LF.
                 let crlf = bytes[end..].starts_with(b"\r\n") && bytes[..start].ends_with(b"\n");
                 let end = (end + if crlf { 2 } else { 1 }).min(bytes.len());
-                return Ok(Header { form, elements, end });
+                return Ok(Header {
+                    form,
+                    elements,
+                    end,
+                });
             }
             b"format" => form = Some(read_format(&text, &words)?),
             b"element" => elements.push(read_element(&text, &words)?),
             b"property" => {
                 let property = read_property(&text, &words)?;
                 let element = elements.last_mut();
-                element.ok_or_else(|| text.error(first.at, "a property before any element"))?.properties.push(property);
+                element
+                    .ok_or_else(|| text.error(first.at, "a property before any element"))?
+                    .properties
+                    .push(property);
             }
             b"ply" | b"comment" | b"obj_info" => {}
-            _ => return Err(text.unexpected(Some(first), "a PLY header line (format, element, property, end_header)")),
+            _ => {
+                return Err(text.unexpected(
+                    Some(first),
+                    "a PLY header line (format, element, property, end_header)",
+                ));
+            }
         }
     }
     if !bytes.starts_with(b"ply") {
-        return Err(FileError::input(path, Place::Byte(0), "is not a PLY file; expected `ply` in the first line"));
+        return Err(FileError::input(
+            path,
+            Place::Byte(0),
+            "is not a PLY file; expected `ply` in the first line",
+        ));
     }
     if bytes.len() > MAX_HEADER {
-        return Err(FileError::limit(path, Place::Byte(MAX_HEADER as u64), "no `end_header` within 1 MiB"));
+        return Err(FileError::limit(
+            path,
+            Place::Byte(MAX_HEADER as u64),
+            "no `end_header` within 1 MiB",
+        ));
     }
     Err(text.unexpected(None, "`end_header`"))
 }
@@ -167,7 +191,10 @@ fn read_format(text: &Text, words: &[Word]) -> Result<Form, FileError> {
         Some(b"ascii") => Ok(Form::Text),
         Some(b"binary_little_endian") => Ok(Form::BinaryLittle),
         Some(b"binary_big_endian") => Ok(Form::BinaryBig),
-        _ => Err(text.error(words[0].at, "unknown format; expected ascii, binary_little_endian or binary_big_endian")),
+        _ => Err(text.error(
+            words[0].at,
+            "unknown format; expected ascii, binary_little_endian or binary_big_endian",
+        )),
     }
 }
 
@@ -175,7 +202,9 @@ fn read_element(text: &Text, words: &[Word]) -> Result<Element, FileError> {
     let [_, name, count] = words else {
         return Err(text.error(words[0].at, "expected `element NAME COUNT`"));
     };
-    let count = count.parse().ok_or_else(|| text.unexpected(Some(*count), "a number of elements"))?;
+    let count = count
+        .parse()
+        .ok_or_else(|| text.unexpected(Some(*count), "a number of elements"))?;
     Ok(Element {
         name: name.text().into_owned(),
         count,
@@ -186,19 +215,29 @@ fn read_element(text: &Text, words: &[Word]) -> Result<Element, FileError> {
 fn read_property(text: &Text, words: &[Word]) -> Result<Property, FileError> {
     let scalar = |word: &Word| {
         Scalar::parse(*word).ok_or_else(|| {
-            text.unexpected(Some(*word), "a type: char, uchar, short, ushort, int, uint, float or double")
+            text.unexpected(
+                Some(*word),
+                "a type: char, uchar, short, ushort, int, uint, float or double",
+            )
         })
     };
     let (count, kind, name) = match words {
         [_, list, count, kind, name] if list.bytes == b"list" => {
             let length = scalar(count)?;
             if length.is_float() {
-                return Err(text.unexpected(Some(*count), "a whole number type for the length of a list"));
+                return Err(
+                    text.unexpected(Some(*count), "a whole number type for the length of a list")
+                );
             }
             (Some(length), scalar(kind)?, name)
         }
         [_, kind, name] => (None, scalar(kind)?, name),
-        _ => return Err(text.error(words[0].at, "expected `property TYPE NAME` or `property list TYPE TYPE NAME`")),
+        _ => {
+            return Err(text.error(
+                words[0].at,
+                "expected `property TYPE NAME` or `property list TYPE TYPE NAME`",
+            ));
+        }
     };
     Ok(Property {
         name: name.text().into_owned(),

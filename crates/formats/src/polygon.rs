@@ -20,7 +20,9 @@ pub(crate) fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
         return Vec::new();
     }
     let fan = |rest: &[usize]| -> Vec<[usize; 3]> {
-        (1..rest.len() - 1).map(|i| [rest[0], rest[i], rest[i + 1]]).collect()
+        (1..rest.len() - 1)
+            .map(|i| [rest[0], rest[i], rest[i + 1]])
+            .collect()
     };
     let all: Vec<usize> = (0..n).collect();
     if n == 3 || n > MAX_EARS {
@@ -38,7 +40,10 @@ pub(crate) fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
         let m = rest.len();
         let ear = (0..m).find(|&i| {
             let [a, b, c] = [rest[(i + m - 1) % m], rest[i], rest[(i + 1) % m]];
-            bulges(a, b, c) > 0.0 && !rest.iter().any(|&p| ![a, b, c].contains(&p) && inside(&flat, [a, b, c], p))
+            bulges(a, b, c) > 0.0
+                && !rest
+                    .iter()
+                    .any(|&p| ![a, b, c].contains(&p) && inside(&flat, [a, b, c], p))
         });
         let Some(i) = ear else { break };
         triangles.push([rest[(i + m - 1) % m], rest[i], rest[(i + 1) % m]]);
@@ -52,7 +57,9 @@ pub(crate) fn triangulate(corners: &[Vec3]) -> Vec<[usize; 3]> {
 fn project(corners: &[Vec3]) -> Vec<Vec2> {
     let n = corners.len();
     let origin = corners[0];
-    let area: Vec3 = (0..n).map(|i| (corners[i] - origin).cross(corners[(i + 1) % n] - origin)).sum();
+    let area: Vec3 = (0..n)
+        .map(|i| (corners[i] - origin).cross(corners[(i + 1) % n] - origin))
+        .sum();
     let size = area.abs();
     corners
         .iter()
@@ -81,23 +88,36 @@ mod tests {
     use super::*;
 
     fn area(corners: &[Vec3], triangles: &[[usize; 3]]) -> f32 {
-        let each = triangles
-            .iter()
-            .map(|&[a, b, c]| 0.5 * (corners[b] - corners[a]).cross(corners[c] - corners[a]).length());
+        let each = triangles.iter().map(|&[a, b, c]| {
+            0.5 * (corners[b] - corners[a])
+                .cross(corners[c] - corners[a])
+                .length()
+        });
         each.sum()
     }
 
     /// An L, from each of its corners, in both windings and seen along each axis: exact area without overlap.
     #[test]
     fn concave_polygons_keep_their_area() {
-        let l = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]];
+        let l = [
+            [0.0, 0.0],
+            [2.0, 0.0],
+            [2.0, 1.0],
+            [1.0, 1.0],
+            [1.0, 3.0],
+            [0.0, 3.0],
+        ];
         for start in 0..6 {
             for axis in 0..3 {
                 for flip in [false, true] {
                     let mut corners: Vec<Vec3> = (0..6)
                         .map(|i| {
                             let [x, y] = l[(i + start) % 6];
-                            [Vec3::new(x, y, 1.0), Vec3::new(1.0, x, y), Vec3::new(y, 1.0, x)][axis]
+                            [
+                                Vec3::new(x, y, 1.0),
+                                Vec3::new(1.0, x, y),
+                                Vec3::new(y, 1.0, x),
+                            ][axis]
                         })
                         .collect();
                     if flip {
@@ -113,12 +133,16 @@ mod tests {
 
     #[test]
     fn any_polygon_gives_n_minus_two_triangles() {
-        let star: Vec<Vec3> = (0..5).map(|i| Vec3::new((i as f32 * 2.513).cos(), (i as f32 * 2.513).sin(), 0.0)).collect();
+        let star: Vec<Vec3> = (0..5)
+            .map(|i| Vec3::new((i as f32 * 2.513).cos(), (i as f32 * 2.513).sin(), 0.0))
+            .collect();
         assert_eq!(triangulate(&star).len(), 3);
         assert_eq!(triangulate(&[Vec3::ZERO; 7]).len(), 5);
         assert_eq!(triangulate(&[Vec3::NAN; 5]).len(), 3);
         assert!(triangulate(&star[..2]).is_empty());
-        let many: Vec<Vec3> = (0..100_000).map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.0)).collect();
+        let many: Vec<Vec3> = (0..100_000)
+            .map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.0))
+            .collect();
         assert_eq!(triangulate(&many).len(), 99_998);
     }
 }

@@ -29,7 +29,10 @@ impl Report {
     /// Counts `n` more of `what`.
     pub fn ignore_n(&mut self, what: impl Into<String>, n: usize) {
         if n > 0 {
-            *self.ignored.entry(one_line(&what.into()).into_owned()).or_default() += n;
+            *self
+                .ignored
+                .entry(one_line(&what.into()).into_owned())
+                .or_default() += n;
         }
     }
 
@@ -45,6 +48,12 @@ pub fn one_line(text: &str) -> Cow<'_, str> {
     if !text.contains(char::is_control) {
         return text.into();
     }
-    let show = |c: char| if c.is_control() { c.escape_default().to_string() } else { c.to_string() };
+    let show = |c: char| {
+        if c.is_control() {
+            c.escape_default().to_string()
+        } else {
+            c.to_string()
+        }
+    };
     text.chars().map(show).collect()
 }

@@ -28,10 +28,16 @@ pub(crate) fn read_file(path: &Path, report: &mut Report) -> Result<Vec<u8>, Fil
 pub(crate) fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
     let meta = fs::metadata(path).map_err(|error| FileError::io(path, &error))?;
     if meta.is_dir() {
-        return Err(FileError::io(path, &io::Error::other("is a folder; expected a file")));
+        return Err(FileError::io(
+            path,
+            &io::Error::other("is a folder; expected a file"),
+        ));
     }
     if !meta.is_file() {
-        return Err(FileError::io(path, &io::Error::other("is a pipe or device; expected a regular file")));
+        return Err(FileError::io(
+            path,
+            &io::Error::other("is a pipe or device; expected a regular file"),
+        ));
     }
     if meta.len() > limit {
         let message = format!("has {} bytes; the limit is {limit} bytes", meta.len());
@@ -44,7 +50,9 @@ pub(crate) fn read_regular(path: &Path, limit: u64) -> Result<Vec<u8>, FileError
 pub(crate) fn model_format(path: &Path, bytes: &[u8]) -> Result<ModelFormat, FileError> {
     let format = format_of_extension(path).ok_or_else(|| {
         let found = describe(bytes).map_or(String::new(), |what| format!(" (it is {what})"));
-        let message = format!("not a known extension{found}; expected .toml, .gltf, .glb, .obj, .ply or .stl");
+        let message = format!(
+            "not a known extension{found}; expected .toml, .gltf, .glb, .obj, .ply or .stl"
+        );
         FileError::input(path, Place::File, message)
     })?;
     match describe(bytes) {
@@ -91,7 +99,10 @@ const PLY: &str = "a PLY file";
 
 /// The name of what the first bytes show, if they show something.
 pub(crate) fn describe(bytes: &[u8]) -> Option<&'static str> {
-    MAGIC.iter().find(|(magic, _)| bytes.starts_with(magic)).map(|(_, name)| *name)
+    MAGIC
+        .iter()
+        .find(|(magic, _)| bytes.starts_with(magic))
+        .map(|(_, name)| *name)
 }
 
 fn agrees(format: ModelFormat, what: &str) -> bool {

@@ -28,11 +28,18 @@ pub(crate) fn read_stl(path: &Path, bytes: &[u8], report: &mut Report) -> Result
     } else {
         read_binary(inexact_binary(path, bytes, report)?)
     };
-    let corners = u32::try_from(positions.len())
-        .map_err(|_| FileError::limit(path, Place::File, "has more than 2^32 corners; expected fewer"))?;
+    let corners = u32::try_from(positions.len()).map_err(|_| {
+        FileError::limit(
+            path,
+            Place::File,
+            "has more than 2^32 corners; expected fewer",
+        )
+    })?;
     Ok(Mesh {
         positions,
-        indices: (0..corners / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        indices: (0..corners / 3)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+            .collect(),
         ..Mesh::default()
     })
 }
@@ -51,28 +58,50 @@ fn exact_binary(bytes: &[u8]) -> Option<&[u8]> {
 /// "solid" at the start, and a keyword that follows its line soon.
 fn looks_like_text(bytes: &[u8]) -> bool {
     let start = bytes.trim_ascii_start();
-    if !start.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) {
+    if !start
+        .get(..5)
+        .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+    {
         return false;
     }
     let line = start.iter().position(|&b| b == b'\n' || b == b'\r');
     let next = line.map_or(&[][..], |end| start[end..].trim_ascii_start());
-    let has = |word: &[u8]| next.get(..word.len()).is_some_and(|found| found.eq_ignore_ascii_case(word));
+    let has = |word: &[u8]| {
+        next.get(..word.len())
+            .is_some_and(|found| found.eq_ignore_ascii_case(word))
+    };
     // All on one line, or a file that was cut: text as long as nothing in it is binary.
     has(b"facet") || has(b"endsolid") || start.iter().all(|&b| b >= 0x20 || b.is_ascii_whitespace())
 }
 
 /// A binary file with something after its triangles; one with too little is refused.
-fn inexact_binary<'a>(path: &Path, bytes: &'a [u8], report: &mut Report) -> Result<&'a [u8], FileError> {
+fn inexact_binary<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+    report: &mut Report,
+) -> Result<&'a [u8], FileError> {
     let Some((size, count)) = demanded_size(bytes) else {
-        let message = format!("has {} bytes; expected at least {HEADER} of a binary STL file", bytes.len());
-        return Err(FileError::input(path, Place::Byte(bytes.len() as u64), message));
+        let message = format!(
+            "has {} bytes; expected at least {HEADER} of a binary STL file",
+            bytes.len()
+        );
+        return Err(FileError::input(
+            path,
+            Place::Byte(bytes.len() as u64),
+            message,
+        ));
     };
     let len = bytes.len() as u64;
     if size > len {
-        let message = format!("{count} triangles need {size} bytes; expected them, but the file has {len}");
+        let message =
+            format!("{count} triangles need {size} bytes; expected them, but the file has {len}");
         return Err(FileError::input(path, Place::Byte(80), message));
     }
-    report.note(format!("{}: {} bytes after the last triangle", path.display(), len - size));
+    report.note(format!(
+        "{}: {} bytes after the last triangle",
+        path.display(),
+        len - size
+    ));
     Ok(&bytes[HEADER..size as usize])
 }
 
@@ -80,7 +109,9 @@ fn read_binary(body: &[u8]) -> Vec<Vec3> {
     let float = |b: &[u8]| f32::from_le_bytes([b[0], b[1], b[2], b[3]]);
     let corner = |b: &[u8]| Vec3::new(float(b), float(&b[4..]), float(&b[8..]));
     let triangles = body.chunks_exact(TRIANGLE);
-    triangles.flat_map(|t| [corner(&t[12..]), corner(&t[24..]), corner(&t[36..])]).collect()
+    triangles
+        .flat_map(|t| [corner(&t[12..]), corner(&t[24..]), corner(&t[36..])])
+        .collect()
 }
 
 /// `solid NAME {facet normal X Y Z outer loop {vertex X Y Z}³ endloop endfacet} endsolid NAME`, any number
@@ -105,7 +136,11 @@ fn read_text(text: &Text) -> Result<Vec<Vec3>, FileError> {
             expect(text, &mut words, "endloop")?;
             expect(text, &mut words, "endfacet")?;
         } else {
-            let expected = if in_solid { "`facet` or `endsolid`" } else { "`solid`" };
+            let expected = if in_solid {
+                "`facet` or `endsolid`"
+            } else {
+                "`solid`"
+            };
             return Err(text.unexpected(Some(word), expected));
         }
     }
@@ -118,7 +153,10 @@ fn read_text(text: &Text) -> Result<Vec<Vec3>, FileError> {
 /// The words after the rest of this line, which is a name.
 fn after_line<'a>(text: &Text<'a>, words: &Words<'a>) -> Words<'a> {
     let rest = &text.bytes[words.position()..];
-    let end = rest.iter().position(|&b| b == b'\n' || b == b'\r').unwrap_or(rest.len());
+    let end = rest
+        .iter()
+        .position(|&b| b == b'\n' || b == b'\r')
+        .unwrap_or(rest.len());
     text.words(words.position() + end, text.bytes.len())
 }
 
@@ -133,7 +171,9 @@ fn read_vector<'a>(text: &Text<'a>, words: &mut Words<'a>) -> Result<Vec3, FileE
     let mut v = [0.0; 3];
     for x in &mut v {
         let word = words.next();
-        *x = word.and_then(|w| w.parse()).ok_or_else(|| text.unexpected(word, "a number"))?;
+        *x = word
+            .and_then(|w| w.parse())
+            .ok_or_else(|| text.unexpected(word, "a number"))?;
     }
     Ok(Vec3::from(v))
 }

@@ -1,7 +1,10 @@
 //! Textures from PNG and JPEG files.
 
 use crate::{FileError, Place, sniff};
-use image::{DynamicImage, ImageDecoder, ImageError, Limits, codecs::{jpeg::JpegDecoder, png::PngDecoder}};
+use image::{
+    DynamicImage, ImageDecoder, ImageError, Limits,
+    codecs::{jpeg::JpegDecoder, png::PngDecoder},
+};
 use std::{io::Cursor, path::Path};
 use umbriel_render::{Encoding, Filter, ImageTexture, Wrap};
 
@@ -18,14 +21,15 @@ const MAX_BYTES: u64 = 512 << 20;
 /// The result is sRGB-encoded, repeats and is filtered bilinearly; the caller knows better.
 /// At most 16,384 texels a side, 128 Mi texels and 512 MiB while decoding.
 pub fn load_texture(path: &Path, bytes: &[u8]) -> Result<ImageTexture, FileError> {
-    decode_texture(bytes).map_err(|fault| match fault {
-        TextureFault::Wrong(message) => FileError::input(path, Place::File, message),
-        TextureFault::TooLarge(message) => FileError::limit(path, Place::File, message),
-    })
-    .map(|texture| ImageTexture {
-        name: path.display().to_string(),
-        ..texture
-    })
+    decode_texture(bytes)
+        .map_err(|fault| match fault {
+            TextureFault::Wrong(message) => FileError::input(path, Place::File, message),
+            TextureFault::TooLarge(message) => FileError::limit(path, Place::File, message),
+        })
+        .map(|texture| ImageTexture {
+            name: path.display().to_string(),
+            ..texture
+        })
 }
 
 /// Why a texture cannot be decoded, without its place.
@@ -42,7 +46,9 @@ pub(crate) fn decode_texture(bytes: &[u8]) -> Result<ImageTexture, TextureFault>
         Some("a JPEG image") => decode(JpegDecoder::new(input).map_err(fault)?)?,
         other => {
             let found = other.unwrap_or("of an unknown format");
-            return Err(TextureFault::Wrong(format!("the image is {found}; expected PNG or JPEG")));
+            return Err(TextureFault::Wrong(format!(
+                "the image is {found}; expected PNG or JPEG"
+            )));
         }
     };
     let rgba = image.into_rgba8();
@@ -50,7 +56,11 @@ pub(crate) fn decode_texture(bytes: &[u8]) -> Result<ImageTexture, TextureFault>
     if width == 0 || height == 0 {
         return Err(TextureFault::Wrong("the image has no texels".to_owned()));
     }
-    let texels = rgba.into_raw().chunks_exact(4).map(|t| [t[0], t[1], t[2], t[3]]).collect();
+    let texels = rgba
+        .into_raw()
+        .chunks_exact(4)
+        .map(|t| [t[0], t[1], t[2], t[3]])
+        .collect();
     Ok(ImageTexture {
         name: String::new(),
         width,
@@ -74,7 +84,11 @@ fn limits() -> Limits {
 fn decode(mut decoder: impl ImageDecoder) -> Result<DynamicImage, TextureFault> {
     let (width, height) = decoder.dimensions();
     let texels = u64::from(width) * u64::from(height);
-    if width > MAX_SIDE || height > MAX_SIDE || texels > MAX_TEXELS || decoder.total_bytes() > MAX_BYTES {
+    if width > MAX_SIDE
+        || height > MAX_SIDE
+        || texels > MAX_TEXELS
+        || decoder.total_bytes() > MAX_BYTES
+    {
         let message = format!(
             "the image has {width} x {height} texels; the limits are {MAX_SIDE} a side and {MAX_TEXELS} in all"
         );
@@ -94,7 +108,11 @@ fn fault(error: ImageError) -> TextureFault {
         }
         error => {
             // The decoder's words may go over several lines.
-            let words = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+            let words = error
+                .to_string()
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" ");
             TextureFault::Wrong(format!("the image cannot be decoded: {words}"))
         }
     }

@@ -26,8 +26,16 @@ impl<'a> Word<'a> {
     /// The word in a message: at most 40 characters.
     pub(crate) fn show(self) -> String {
         let text = self.text();
-        let short: String = text.chars().take(40).flat_map(char::escape_default).collect();
-        let more = if text.chars().nth(40).is_some() { "…" } else { "" };
+        let short: String = text
+            .chars()
+            .take(40)
+            .flat_map(char::escape_default)
+            .collect();
+        let more = if text.chars().nth(40).is_some() {
+            "…"
+        } else {
+            ""
+        };
         format!("\"{short}{more}\"")
     }
 
@@ -44,7 +52,11 @@ impl<'a> Text<'a> {
     /// Skips the byte order mark, and refuses UTF-16, whose words would all be unknown.
     pub(crate) fn new(path: &'a Path, bytes: &'a [u8]) -> Result<Self, FileError> {
         if bytes.starts_with(b"\xFF\xFE") || bytes.starts_with(b"\xFE\xFF") {
-            return Err(FileError::input(path, Place::Byte(0), "is UTF-16; expected UTF-8 or ASCII"));
+            return Err(FileError::input(
+                path,
+                Place::Byte(0),
+                "is UTF-16; expected UTF-8 or ASCII",
+            ));
         }
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         Ok(Self { path, bytes })
@@ -53,7 +65,9 @@ impl<'a> Text<'a> {
     /// Line and column of an offset, both from 1; found only when an error needs them.
     pub(crate) fn place(&self, at: usize) -> Place {
         let before = &self.bytes[..at.min(self.bytes.len())];
-        let ends_line = |i: usize| before[i] == b'\n' || (before[i] == b'\r' && self.bytes.get(i + 1) != Some(&b'\n'));
+        let ends_line = |i: usize| {
+            before[i] == b'\n' || (before[i] == b'\r' && self.bytes.get(i + 1) != Some(&b'\n'))
+        };
         let ends: Vec<usize> = (0..before.len()).filter(|&i| ends_line(i)).collect();
         let start = ends.last().map_or(0, |end| end + 1);
         let column = String::from_utf8_lossy(&before[start..]).chars().count() + 1;
@@ -68,7 +82,10 @@ impl<'a> Text<'a> {
     pub(crate) fn unexpected(&self, word: Option<Word>, expected: &str) -> FileError {
         match word {
             Some(word) => self.error(word.at, format!("{}; expected {expected}", word.show())),
-            None => self.error(self.bytes.len(), format!("the file ends here; expected {expected}")),
+            None => self.error(
+                self.bytes.len(),
+                format!("the file ends here; expected {expected}"),
+            ),
         }
     }
 
@@ -91,8 +108,13 @@ impl<'a> Text<'a> {
             let mut end = start;
             while end < bytes.len() {
                 let is_end = bytes[end] == b'\n' || bytes[end] == b'\r';
-                let after_return = bytes[end] == b'\n' && end > start + 1 && bytes[end - 1] == b'\r';
-                let slash = if after_return { end.checked_sub(2) } else { end.checked_sub(1) };
+                let after_return =
+                    bytes[end] == b'\n' && end > start + 1 && bytes[end - 1] == b'\r';
+                let slash = if after_return {
+                    end.checked_sub(2)
+                } else {
+                    end.checked_sub(1)
+                };
                 let goes_on = slash.is_some_and(|i| i >= start && bytes[i] == b'\\');
                 if is_end && !goes_on {
                     break;

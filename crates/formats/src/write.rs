@@ -21,15 +21,29 @@ pub fn check_output(path: &Path, inputs: &[&Path]) -> Result<(), FileError> {
     let target = resolve(path)?;
     let folder = folder_of(&target);
     if !folder.is_dir() {
-        let message = format!("the folder {} does not exist; make it first", folder.display());
+        let message = format!(
+            "the folder {} does not exist; make it first",
+            folder.display()
+        );
         return Err(refuse(path, &message));
     }
     check_inputs(path, inputs)?;
     match fs::metadata(&target) {
-        Ok(meta) if meta.is_dir() => return Err(refuse(path, "is a folder; expected the name of a file")),
-        Ok(meta) if !meta.is_file() => return Err(refuse(path, "is a pipe or device; expected the name of a file")),
-        Ok(meta) if meta.permissions().readonly() => return Err(refuse(path, "is read-only; nothing was written")),
-        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(FileError::io(path, &error)),
+        Ok(meta) if meta.is_dir() => {
+            return Err(refuse(path, "is a folder; expected the name of a file"));
+        }
+        Ok(meta) if !meta.is_file() => {
+            return Err(refuse(
+                path,
+                "is a pipe or device; expected the name of a file",
+            ));
+        }
+        Ok(meta) if meta.permissions().readonly() => {
+            return Err(refuse(path, "is read-only; nothing was written"));
+        }
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            return Err(FileError::io(path, &error));
+        }
         _ => {}
     }
     // The only sure way to learn whether a file can be made in a folder is to make one.
@@ -40,10 +54,15 @@ pub fn check_output(path: &Path, inputs: &[&Path]) -> Result<(), FileError> {
 /// Refuses a `path` that is one of the `inputs` under any of its names; the part of [`check_output`] to repeat when more
 /// inputs are known.
 pub fn check_inputs(path: &Path, inputs: &[&Path]) -> Result<(), FileError> {
-    let Ok(target) = path.canonicalize() else { return Ok(()) };
+    let Ok(target) = path.canonicalize() else {
+        return Ok(());
+    };
     let is_target = |input: &Path| input.canonicalize().is_ok_and(|input| input == target);
     if inputs.iter().copied().any(is_target) {
-        return Err(refuse(path, "is an input; expected another name for the output"));
+        return Err(refuse(
+            path,
+            "is an input; expected another name for the output",
+        ));
     }
     Ok(())
 }
@@ -60,7 +79,10 @@ pub fn write_file(path: &Path, bytes: &[u8]) -> Result<(), FileError> {
             "{error}; {} bytes were to be written, and nothing was changed",
             bytes.len()
         );
-        FileError { message, ..FileError::io(path, &error) }
+        FileError {
+            message,
+            ..FileError::io(path, &error)
+        }
     };
     let target = resolve(path)?;
     if fs::metadata(&target).is_ok_and(|meta| !meta.is_file()) {
@@ -99,7 +121,10 @@ fn resolve(path: &Path) -> Result<PathBuf, FileError> {
             Err(_) => return Ok(target),
         }
     }
-    Err(refuse(path, "is a symbolic link that leads nowhere; expected the name of a file"))
+    Err(refuse(
+        path,
+        "is a symbolic link that leads nowhere; expected the name of a file",
+    ))
 }
 
 /// A new file beside `path` with a hidden name. The name of an older process that was killed may be left over.
@@ -107,7 +132,11 @@ fn create_temporary(path: &Path) -> io::Result<(PathBuf, fs::File)> {
     let mut result = Err(io::ErrorKind::AlreadyExists.into());
     for attempt in 0..MAX_NAMES {
         let name = folder_of(path).join(format!(".umbriel-{}-{attempt}.tmp", process::id()));
-        result = fs::File::options().write(true).create_new(true).open(&name).map(|file| (name, file));
+        result = fs::File::options()
+            .write(true)
+            .create_new(true)
+            .open(&name)
+            .map(|file| (name, file));
         if !matches!(&result, Err(error) if error.kind() == io::ErrorKind::AlreadyExists) {
             break;
         }

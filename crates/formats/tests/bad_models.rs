@@ -11,7 +11,11 @@ fn import(name: &str, bytes: impl AsRef<[u8]>) -> Result<(Scene, Report), FileEr
     import_in(folder.path(), name, bytes)
 }
 
-fn import_in(folder: &Path, name: &str, bytes: impl AsRef<[u8]>) -> Result<(Scene, Report), FileError> {
+fn import_in(
+    folder: &Path,
+    name: &str,
+    bytes: impl AsRef<[u8]>,
+) -> Result<(Scene, Report), FileError> {
     let path = folder.join(name);
     fs::write(&path, bytes).unwrap();
     let mut report = Report::default();
@@ -58,21 +62,31 @@ fn fault(from: &str, to: &str) -> String {
     assert!(json.contains(from), "{from}");
     let error = import("t.glb", glb(&json.replacen(from, to, 1), &triangle_bytes()));
     let error = error.map(|_| ()).expect_err(to);
-    error.to_string().split_once("t.glb:").expect("names the file").1.to_owned()
+    error
+        .to_string()
+        .split_once("t.glb:")
+        .expect("names the file")
+        .1
+        .to_owned()
 }
 
 #[test]
 fn the_triangle_itself_is_fine() {
     let (scene, report) = import("t.glb", glb(&triangle_json(), &triangle_bytes())).unwrap();
     assert_eq!(scene.meshes[0].indices, [[0, 1, 2]]);
-    assert_eq!((report.ignored.len(), report.notes.len(), report.files.len()), (0, 0, 1));
+    assert_eq!(
+        (report.ignored.len(), report.notes.len(), report.files.len()),
+        (0, 0, 1)
+    );
 }
 
 #[test]
 fn a_truncated_glb_is_an_error_at_every_byte() {
     let whole = glb(&triangle_json(), &triangle_bytes());
     for length in 0..whole.len() {
-        let error = import("t.glb", &whole[..length]).map(|_| ()).expect_err("truncated");
+        let error = import("t.glb", &whole[..length])
+            .map(|_| ())
+            .expect_err("truncated");
         assert_eq!(error.kind, ErrorKind::Input, "{length}: {error}");
         assert!(matches!(error.place, Place::Byte(_)), "{length}: {error}");
     }
@@ -81,11 +95,22 @@ fn a_truncated_glb_is_an_error_at_every_byte() {
 #[test]
 fn glb_lengths_and_chunks_are_checked() {
     let whole = glb(&triangle_json(), &triangle_bytes());
-    for (at, value) in [(4, 1_u32), (4, 3), (8, u32::MAX), (8, 13), (12, u32::MAX), (12, 1), (16, 0)] {
+    for (at, value) in [
+        (4, 1_u32),
+        (4, 3),
+        (8, u32::MAX),
+        (8, 13),
+        (12, u32::MAX),
+        (12, 1),
+        (16, 0),
+    ] {
         let mut broken = whole.clone();
         broken[at..at + 4].copy_from_slice(&value.to_le_bytes());
         let error = import("t.glb", broken).map(|_| ()).expect_err("broken");
-        assert!(matches!(error.place, Place::Byte(_) | Place::Line(..)), "{at} {value}: {error}");
+        assert!(
+            matches!(error.place, Place::Byte(_) | Place::Line(..)),
+            "{at} {value}: {error}"
+        );
     }
 }
 
@@ -93,35 +118,115 @@ fn glb_lengths_and_chunks_are_checked() {
 fn gltf_faults_have_pointers() {
     for (from, to, expected) in [
         ("\"2.0\"", "\"1.0\"", "/asset/version"),
-        ("\"2.0\"", "\"2.0\",\"minVersion\":\"2.1\"", "/asset/minVersion"),
+        (
+            "\"2.0\"",
+            "\"2.0\",\"minVersion\":\"2.1\"",
+            "/asset/minVersion",
+        ),
         ("\"asset\"", "\"asset2\"", "/: has no `asset`"),
-        ("\"scene\":0", "\"scene\":7", "/scene: is 7; expected an index below 1"),
+        (
+            "\"scene\":0",
+            "\"scene\":7",
+            "/scene: is 7; expected an index below 1",
+        ),
         ("\"mesh\":0", "\"mesh\":1", "/nodes/0/mesh"),
-        ("\"indices\":1", "\"indices\":-1", "/meshes/0/primitives/0/indices"),
-        ("\"indices\":1", "\"indices\":1,\"mode\":7", "/meshes/0/primitives/0/mode"),
-        ("\"indices\":1", "\"indices\":1,\"material\":0", "/meshes/0/primitives/0/material"),
-        ("\"count\":3", "\"count\":4611686018427387904", "/accessors/0/count"),
+        (
+            "\"indices\":1",
+            "\"indices\":-1",
+            "/meshes/0/primitives/0/indices",
+        ),
+        (
+            "\"indices\":1",
+            "\"indices\":1,\"mode\":7",
+            "/meshes/0/primitives/0/mode",
+        ),
+        (
+            "\"indices\":1",
+            "\"indices\":1,\"material\":0",
+            "/meshes/0/primitives/0/material",
+        ),
+        (
+            "\"count\":3",
+            "\"count\":4611686018427387904",
+            "/accessors/0/count",
+        ),
         ("\"count\":3", "\"count\":4294967295", "/accessors/0: needs"),
         ("\"count\":3", "\"count\":-1", "/accessors/0/count"),
         ("\"count\":3", "\"count\":1.5", "/accessors/0/count"),
         ("\"count\":3", "\"count\":1e300", "/accessors/0/count"),
-        ("\"count\":3", "\"count\":4", "/accessors/0: needs 48 bytes; its buffer view has only 36"),
-        ("\"count\":3", "\"count\":3,\"byteOffset\":1", "/accessors/0: needs 37 bytes"),
-        ("\"count\":3", "\"count\":3,\"byteOffset\":18446744073709551615", "/accessors/0: needs more than 2^64"),
+        (
+            "\"count\":3",
+            "\"count\":4",
+            "/accessors/0: needs 48 bytes; its buffer view has only 36",
+        ),
+        (
+            "\"count\":3",
+            "\"count\":3,\"byteOffset\":1",
+            "/accessors/0: needs 37 bytes",
+        ),
+        (
+            "\"count\":3",
+            "\"count\":3,\"byteOffset\":18446744073709551615",
+            "/accessors/0: needs more than 2^64",
+        ),
         ("5126", "5130", "/accessors/0/componentType"),
         ("VEC3", "VEC2", "/accessors/0/type"),
-        ("\"byteLength\":36", "\"byteLength\":36,\"byteStride\":4", "/accessors/0: has elements of 12 bytes"),
-        ("\"byteLength\":36", "\"byteLength\":36,\"byteStride\":0", "/accessors/0"),
+        (
+            "\"byteLength\":36",
+            "\"byteLength\":36,\"byteStride\":4",
+            "/accessors/0: has elements of 12 bytes",
+        ),
+        (
+            "\"byteLength\":36",
+            "\"byteLength\":36,\"byteStride\":0",
+            "/accessors/0",
+        ),
         ("\"byteLength\":36", "\"byteLength\":99", "/bufferViews/0"),
-        ("\"byteLength\":42", "\"byteLength\":45", "/buffers/0/byteLength: is 45; the buffer has only 44"),
-        ("\"byteOffset\":36", "\"byteOffset\":12", "/accessors/1: has index"),
-        ("[{\"mesh\":0}]", "[{\"mesh\":0,\"children\":[0]}]", "/nodes/0: is part of a cycle"),
-        ("[{\"mesh\":0}]", "[{\"children\":[1]},{\"children\":[0]}]", "/nodes/0: is part of a cycle"),
-        ("[{\"mesh\":0}]", "[{\"children\":[2]},{\"children\":[2]},{}]", "two parents"),
-        ("[{\"mesh\":0}]", "[{\"matrix\":[1,2]}]", "/nodes/0/matrix: is an array of 2; expected an array of 16"),
-        ("[{\"mesh\":0}]", "[{\"rotation\":[0,0,0,0]}]", "/nodes/0/rotation"),
-        ("\"scene\":0", "\"extensionsRequired\":[\"EXT_nothing\"]", "extension EXT_nothing is required"),
-        ("\"scene\":0", "\"cameras\":[5]", "/cameras/0: is 5; expected an object"),
+        (
+            "\"byteLength\":42",
+            "\"byteLength\":45",
+            "/buffers/0/byteLength: is 45; the buffer has only 44",
+        ),
+        (
+            "\"byteOffset\":36",
+            "\"byteOffset\":12",
+            "/accessors/1: has index",
+        ),
+        (
+            "[{\"mesh\":0}]",
+            "[{\"mesh\":0,\"children\":[0]}]",
+            "/nodes/0: is part of a cycle",
+        ),
+        (
+            "[{\"mesh\":0}]",
+            "[{\"children\":[1]},{\"children\":[0]}]",
+            "/nodes/0: is part of a cycle",
+        ),
+        (
+            "[{\"mesh\":0}]",
+            "[{\"children\":[2]},{\"children\":[2]},{}]",
+            "two parents",
+        ),
+        (
+            "[{\"mesh\":0}]",
+            "[{\"matrix\":[1,2]}]",
+            "/nodes/0/matrix: is an array of 2; expected an array of 16",
+        ),
+        (
+            "[{\"mesh\":0}]",
+            "[{\"rotation\":[0,0,0,0]}]",
+            "/nodes/0/rotation",
+        ),
+        (
+            "\"scene\":0",
+            "\"extensionsRequired\":[\"EXT_nothing\"]",
+            "extension EXT_nothing is required",
+        ),
+        (
+            "\"scene\":0",
+            "\"cameras\":[5]",
+            "/cameras/0: is 5; expected an object",
+        ),
     ] {
         let message = fault(from, to);
         assert!(message.contains(expected), "{to}: {message}");
@@ -135,7 +240,14 @@ fn sparse_accessors_are_checked() {
             "\"count\":3,\"sparse\":{{\"count\":{count},\"indices\":{{\"bufferView\":1,\"componentType\":5123{extra}}},\
              \"values\":{{\"bufferView\":0}}}}"
         );
-        import("t.glb", glb(&triangle_json().replacen("\"count\":3", &part, 1), &triangle_bytes())).map(|_| ())
+        import(
+            "t.glb",
+            glb(
+                &triangle_json().replacen("\"count\":3", &part, 1),
+                &triangle_bytes(),
+            ),
+        )
+        .map(|_| ())
     };
     assert!(sparse(3, "").is_ok());
     assert!(sparse(4, "").is_err());
@@ -149,8 +261,16 @@ fn deep_trees_are_refused_and_wide_ones_are_not() {
         let list: Vec<String> = (0..20_000).map(f).collect();
         triangle_json().replacen("[{\"mesh\":0}]", &format!("[{}]", list.join(",")), 1)
     };
-    let chain = nodes(&|i| if i < 19_999 { format!("{{\"children\":[{}]}}", i + 1) } else { "{}".to_owned() });
-    let error = import("t.glb", glb(&chain, &triangle_bytes())).map(|_| ()).unwrap_err();
+    let chain = nodes(&|i| {
+        if i < 19_999 {
+            format!("{{\"children\":[{}]}}", i + 1)
+        } else {
+            "{}".to_owned()
+        }
+    });
+    let error = import("t.glb", glb(&chain, &triangle_bytes()))
+        .map(|_| ())
+        .unwrap_err();
     assert!(error.message.contains("deeper than 1024"), "{error}");
     let wide = nodes(&|_| "{\"mesh\":0}".to_owned());
     assert!(import("t.glb", glb(&wide, &triangle_bytes())).is_ok());
@@ -158,17 +278,37 @@ fn deep_trees_are_refused_and_wide_ones_are_not() {
 
 #[test]
 fn files_outside_the_folder_are_not_read() {
-    for uri in ["../secret.bin", "/etc/passwd", "file:///etc/passwd", "http://example.org/a.bin", "C:\\\\x", "%2e%2e%2fx", "a%00b"] {
-        let json = triangle_json().replace("\"byteLength\":42", &format!("\"byteLength\":42,\"uri\":\"{uri}\""));
+    for uri in [
+        "../secret.bin",
+        "/etc/passwd",
+        "file:///etc/passwd",
+        "http://example.org/a.bin",
+        "C:\\\\x",
+        "%2e%2e%2fx",
+        "a%00b",
+    ] {
+        let json = triangle_json().replace(
+            "\"byteLength\":42",
+            &format!("\"byteLength\":42,\"uri\":\"{uri}\""),
+        );
         let error = import("t.gltf", json).map(|_| ()).unwrap_err();
-        assert_eq!(error.place, Place::Pointer("/buffers/0/uri".to_owned()), "{error}");
+        assert_eq!(
+            error.place,
+            Place::Pointer("/buffers/0/uri".to_owned()),
+            "{error}"
+        );
         assert_eq!(error.kind, ErrorKind::Input, "{error}");
     }
     for uri in ["data:,x", "data:;base64,!!!!", "data:;base64,AAAA"] {
-        let json = triangle_json().replace("\"byteLength\":42", &format!("\"byteLength\":42,\"uri\":\"{uri}\""));
+        let json = triangle_json().replace(
+            "\"byteLength\":42",
+            &format!("\"byteLength\":42,\"uri\":\"{uri}\""),
+        );
         assert!(import("t.gltf", json).is_err(), "{uri}");
     }
-    let error = import("t.obj", "mtllib ../x.mtl\n").map(|_| ()).unwrap_err();
+    let error = import("t.obj", "mtllib ../x.mtl\n")
+        .map(|_| ())
+        .unwrap_err();
     assert!(error.to_string().contains("t.obj:1:8"), "{error}");
 }
 
@@ -179,7 +319,11 @@ fn bomb() -> Vec<u8> {
     for &byte in &png[12..] {
         crc ^= u32::from(byte);
         for _ in 0..8 {
-            crc = if crc & 1 == 1 { crc >> 1 ^ 0xEDB8_8320 } else { crc >> 1 };
+            crc = if crc & 1 == 1 {
+                crc >> 1 ^ 0xEDB8_8320
+            } else {
+                crc >> 1
+            };
         }
     }
     png.extend((!crc).to_be_bytes());
@@ -197,14 +341,24 @@ fn images_are_bounded_named_and_may_be_missing() {
             "\"scene\":0,\"images\":[{{\"uri\":\"{image}\"}}],\"textures\":[{{\"source\":0}}],\
              \"materials\":[{{\"emissiveTexture\":{{\"index\":0}}}}]"
         );
-        import_in(folder.path(), "t.glb", glb(&triangle_json().replacen("\"scene\":0", &add, 1), &triangle_bytes()))
+        import_in(
+            folder.path(),
+            "t.glb",
+            glb(
+                &triangle_json().replacen("\"scene\":0", &add, 1),
+                &triangle_bytes(),
+            ),
+        )
     };
     let error = with("bomb.png").map(|_| ()).unwrap_err();
     assert!(error.message.contains("bomb.png"), "{error}");
     let error = with("cut.png").map(|_| ()).unwrap_err();
     assert!(error.to_string().contains("/images/0: cut.png"), "{error}");
     let (_, report) = with("none.png").unwrap();
-    assert!(report.ignored.contains_key("missing texture none.png"), "{report:?}");
+    assert!(
+        report.ignored.contains_key("missing texture none.png"),
+        "{report:?}"
+    );
 }
 
 #[test]
@@ -224,8 +378,13 @@ fn obj_faults_have_lines_and_columns() {
         ("  vn 1 2 z", "4:10"),
         ("\u{1}\u{2}", "4:1"),
     ] {
-        let error = import("t.obj", format!("{vertices}{line}\n")).map(|_| ()).expect_err(line);
-        assert!(error.to_string().contains(&format!("t.obj:{place}: ")), "{line}: {error}");
+        let error = import("t.obj", format!("{vertices}{line}\n"))
+            .map(|_| ())
+            .expect_err(line);
+        assert!(
+            error.to_string().contains(&format!("t.obj:{place}: ")),
+            "{line}: {error}"
+        );
     }
 }
 
@@ -234,7 +393,14 @@ fn odd_obj_files_are_read() {
     let vertices = "\u{feff}v 0 0 0\r\nv 1 0 0 # c\r\nv 1 1 0\rv 0 \\\n 1 0\n";
     let count = |rest: &str| {
         let (scene, report) = import("t.obj", format!("{vertices}{rest}")).unwrap();
-        (scene.meshes.iter().map(|mesh| mesh.indices.len()).sum::<usize>(), report)
+        (
+            scene
+                .meshes
+                .iter()
+                .map(|mesh| mesh.indices.len())
+                .sum::<usize>(),
+            report,
+        )
     };
     assert_eq!(count("f 1 2 3 4").0, 2);
     assert_eq!(count("f -4 -3 -2\\").0, 1);
@@ -242,13 +408,20 @@ fn odd_obj_files_are_read() {
     assert_eq!(count("f 1// 2// 3//").0, 1);
     let (n, report) = count("usemtl nothing\nf 1 2 3\nf 1 1 2\nmtllib none.mtl");
     assert_eq!(n, 1);
-    for what in ["undefined material nothing", "degenerate triangle", "missing material library none.mtl"] {
+    for what in [
+        "undefined material nothing",
+        "degenerate triangle",
+        "missing material library none.mtl",
+    ] {
         assert_eq!(report.ignored.get(what), Some(&1), "{report:?}");
     }
     let (_, report) = count("l 1 2\np 1");
     assert!(report.notes[0].contains("no triangles"), "{report:?}");
     let (n, report) = count("v nan 0 0\nf 1 2 5");
-    assert_eq!((n, report.ignored.get("triangle with a non-finite vertex")), (0, Some(&1)));
+    assert_eq!(
+        (n, report.ignored.get("triangle with a non-finite vertex")),
+        (0, Some(&1))
+    );
 }
 
 const PLY: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
@@ -256,8 +429,14 @@ element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0
 
 #[test]
 fn ply_faults_are_found() {
-    assert_eq!(import("t.ply", PLY).unwrap().0.meshes[0].indices, [[0, 1, 2]]);
-    assert_eq!(import("t.ply", PLY.trim_end()).unwrap().0.meshes[0].indices, [[0, 1, 2]]);
+    assert_eq!(
+        import("t.ply", PLY).unwrap().0.meshes[0].indices,
+        [[0, 1, 2]]
+    );
+    assert_eq!(
+        import("t.ply", PLY.trim_end()).unwrap().0.meshes[0].indices,
+        [[0, 1, 2]]
+    );
     for (from, to, expected) in [
         ("vertex 3", "vertex 4294967295", "4294967295 elements"),
         ("vertex 3", "vertex 18446744073709551615", "elements"),
@@ -272,9 +451,15 @@ fn ply_faults_are_found() {
         ("property float x", "property float q", "no x, y and z"),
         ("end_header", "end", "header line"),
         ("ascii", "utf8", "unknown format"),
-        ("float x", "float x\nproperty float f_dc_0", "Gaussian splat"),
+        (
+            "float x",
+            "float x\nproperty float f_dc_0",
+            "Gaussian splat",
+        ),
     ] {
-        let error = import("t.ply", PLY.replacen(from, to, 1)).map(|_| ()).expect_err(to);
+        let error = import("t.ply", PLY.replacen(from, to, 1))
+            .map(|_| ())
+            .expect_err(to);
         assert!(error.to_string().contains(expected), "{to}: {error}");
     }
 }
@@ -284,7 +469,9 @@ fn stl(count: u32, bodies: usize) -> Vec<u8> {
     let mut file = vec![b' '; 80];
     file.extend(count.to_le_bytes());
     for _ in 0..bodies {
-        let numbers = [0.0_f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+        let numbers = [
+            0.0_f32, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0,
+        ];
         file.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
         file.extend([0, 0]);
     }
@@ -293,8 +480,18 @@ fn stl(count: u32, bodies: usize) -> Vec<u8> {
 
 #[test]
 fn stl_faults_are_found() {
-    assert_eq!(import("t.stl", stl(2, 2)).unwrap().0.meshes[0].indices.len(), 2);
-    assert_eq!(import("t.stl", stl(1, 2)).unwrap().0.meshes[0].indices.len(), 1);
+    assert_eq!(
+        import("t.stl", stl(2, 2)).unwrap().0.meshes[0]
+            .indices
+            .len(),
+        2
+    );
+    assert_eq!(
+        import("t.stl", stl(1, 2)).unwrap().0.meshes[0]
+            .indices
+            .len(),
+        1
+    );
     assert!(import("t.stl", stl(0, 0)).unwrap().1.notes[0].contains("no triangles"));
     for bad in [stl(3, 2), stl(u32::MAX, 2), vec![0; 83], Vec::new()] {
         let error = import("t.stl", bad).map(|_| ()).unwrap_err();
@@ -308,8 +505,13 @@ fn stl_faults_are_found() {
         ("endloop\n", "", "7:1"),
         ("\nendsolid", "", "8:9"),
     ] {
-        let error = import("t.stl", text.replacen(from, to, 1)).map(|_| ()).expect_err(to);
-        assert!(error.to_string().contains(&format!("t.stl:{place}: ")), "{to}: {error}");
+        let error = import("t.stl", text.replacen(from, to, 1))
+            .map(|_| ())
+            .expect_err(to);
+        assert!(
+            error.to_string().contains(&format!("t.stl:{place}: ")),
+            "{to}: {error}"
+        );
     }
 }
 

@@ -10,7 +10,9 @@ use std::{
 };
 use umbriel_formats::{
     LoadOptions, encode_png, load_scene, read_image,
-    render::{Control, Image, Method, SceneBvh, Settings, compare, develop, difference_picture, render},
+    render::{
+        Control, Image, Method, SceneBvh, Settings, compare, develop, difference_picture, render,
+    },
 };
 
 /// Width of a golden in pixels; the height follows the scene's own resolution.
@@ -44,7 +46,11 @@ fn draw(scene: &Path, method: Method) -> Vec<u8> {
     assert_eq!(film.stats.bad_samples, 0, "{}", scene.display());
     let [width, height] = settings.resolution.map(|v| v as usize);
     let exposure = loaded.settings.exposure.unwrap_or(0.0);
-    let bytes = develop(&film.image, exposure, loaded.settings.tonemap.unwrap_or_default());
+    let bytes = develop(
+        &film.image,
+        exposure,
+        loaded.settings.tonemap.unwrap_or_default(),
+    );
     encode_png(width, height, &bytes)
 }
 
@@ -70,7 +76,8 @@ fn check(name: &str, png: &[u8]) -> Result<(), String> {
     }
     let difference = difference_picture(&expected, &picture);
     let shown = encode_png(expected.width, expected.height, &difference);
-    fs::write(folder.join(format!("{name}.difference.png")), shown).expect("the target folder can be written");
+    fs::write(folder.join(format!("{name}.difference.png")), shown)
+        .expect("the target folder can be written");
     Err(format!("{name}: {comparison:?}"))
 }
 
@@ -100,11 +107,15 @@ fn bytes_do_not_depend_on_threads() {
         let scene = workspace().join(format!("scenes/{name}.toml"));
         let with = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            pool.expect("threads can be started").install(|| draw(&scene, Method::Whitted))
+            pool.expect("threads can be started")
+                .install(|| draw(&scene, Method::Whitted))
         };
         let one = with(1);
         for threads in [2, 3, 8, 2] {
-            assert!(with(threads) == one, "{name} differs with {threads} threads");
+            assert!(
+                with(threads) == one,
+                "{name} differs with {threads} threads"
+            );
         }
     }
 }

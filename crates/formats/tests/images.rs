@@ -236,7 +236,11 @@ fn links_are_followed_and_devices_left_alone() {
     symlink("loop.png", at("loop.png")).unwrap();
     symlink("socket", at("device.png")).unwrap();
     let _socket = UnixListener::bind(at("socket")).unwrap();
-    for (name, part) in [("loop.png", "leads nowhere"), ("device.png", "device"), (&"x".repeat(300), "too long")] {
+    for (name, part) in [
+        ("loop.png", "leads nowhere"),
+        ("device.png", "device"),
+        (&"x".repeat(300), "too long"),
+    ] {
         let error = check_output(&at(name), &[]).unwrap_err();
         assert!(error.message.contains(part), "{name}: {error}");
     }
@@ -248,18 +252,27 @@ fn links_are_followed_and_devices_left_alone() {
 #[test]
 fn a_left_over_temporary_file_is_no_obstacle() {
     let folder = tempfile::tempdir().unwrap();
-    let stale = folder.path().join(format!(".umbriel-{}-0.tmp", std::process::id()));
+    let stale = folder
+        .path()
+        .join(format!(".umbriel-{}-0.tmp", std::process::id()));
     fs::write(&stale, "stale").unwrap();
     let path = folder.path().join("out.png");
     check_output(&path, &[]).unwrap();
     write_file(&path, b"new").unwrap();
-    assert_eq!((fs::read(&path).unwrap(), fs::read(&stale).unwrap()), (b"new".to_vec(), b"stale".to_vec()));
+    assert_eq!(
+        (fs::read(&path).unwrap(), fs::read(&stale).unwrap()),
+        (b"new".to_vec(), b"stale".to_vec())
+    );
 }
 
 /// Any text may be a comment: names of scenes come from people.
 #[test]
 fn exr_takes_any_comment() {
-    let info = ExrInfo { comments: "scene=日本 é\n.toml", software: "😀", ..ExrInfo::default() };
+    let info = ExrInfo {
+        comments: "scene=日本 é\n.toml",
+        software: "😀",
+        ..ExrInfo::default()
+    };
     let file = encode_exr(&gradient(3, 2), &[], &info);
     let has = |text: &str| file.windows(text.len()).any(|w| w == text.as_bytes());
     assert!(has(r"scene=\u{65e5}\u{672c} \u{e9}\n.toml") && has(r"\u{1f600}"));

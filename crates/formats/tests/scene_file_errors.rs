@@ -13,7 +13,13 @@ fn load(
     std::fs::write(&path, bytes).unwrap();
     let own = |&(k, v): &(&str, &str)| (k.to_owned(), v.to_owned());
     let overrides = overrides.iter().map(own).collect();
-    load_scene(&path, &LoadOptions { overrides })
+    load_scene(
+        &path,
+        &LoadOptions {
+            overrides,
+            resolution: None,
+        },
+    )
 }
 
 fn error_of(bytes: &[u8]) -> FileError {
@@ -251,7 +257,14 @@ fn faults_of_overrides_name_them() {
 #[test]
 fn overrides_need_a_scene_file() {
     let overrides = vec![("render.depth".to_owned(), "1".to_owned())];
-    let error = load_scene(Path::new("model.ply"), &LoadOptions { overrides }).unwrap_err();
+    let error = load_scene(
+        Path::new("model.ply"),
+        &LoadOptions {
+            overrides,
+            resolution: None,
+        },
+    )
+    .unwrap_err();
     assert!(
         error.message.contains("changes scene files only"),
         "{error}"

@@ -11,7 +11,7 @@ use crate::{
     progress::Progress,
     run::print_line,
     summary::{Phases, Summary, print_loaded},
-    values::Exposure,
+    values::{Exposure, Resolution},
     watch,
 };
 use rayon::{ThreadPool, ThreadPoolBuilder};
@@ -123,6 +123,10 @@ fn interrupted_early() -> Failure {
 fn load(args: &RenderArgs, target: Target) -> Result<Loaded, Failure> {
     let options = LoadOptions {
         overrides: args.definitions.clone(),
+        resolution: match args.resolution {
+            Some(Resolution::Pixels(width, height)) => Some([width as u32, height as u32]),
+            _ => None,
+        },
     };
     let loaded = load_scene(&args.scene, &options)?;
     if args.strict {

@@ -54,7 +54,11 @@ impl Component {
             Self::U32 => return u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32,
             Self::F32 => return f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
         };
-        if normalized { (value / most).max(-1.0) } else { value }
+        if normalized {
+            (value / most).max(-1.0)
+        } else {
+            value
+        }
     }
 
     /// The index in the first bytes of `b`, for the unsigned types.
@@ -81,27 +85,49 @@ struct Accessor<'a> {
 }
 
 /// Reads accessor number `index`, which exists, as numbers; returns them and how many an element has.
-pub(super) fn read_floats(buffers: &Buffers, json: &Json, widths: &[usize]) -> Result<(Vec<f32>, usize), FileError> {
+pub(super) fn read_floats(
+    buffers: &Buffers,
+    json: &Json,
+    widths: &[usize],
+) -> Result<(Vec<f32>, usize), FileError> {
     let accessor = Accessor::new(json)?;
     let width = accessor.width as usize;
     if !widths.contains(&width) {
-        return Err(json.error_at("type", format!("has {width} components; expected {widths:?}")));
+        return Err(json.error_at(
+            "type",
+            format!("has {width} components; expected {widths:?}"),
+        ));
     }
     if width > 4 && accessor.component != Component::F32 {
-        return Err(json.error_at("componentType", "is not 5126 (float); expected it for a matrix"));
+        return Err(json.error_at(
+            "componentType",
+            "is not 5126 (float); expected it for a matrix",
+        ));
     }
-    let values = accessor.read(buffers, |component, normalized, bytes| component.float(bytes, normalized))?;
+    let values = accessor.read(buffers, |component, normalized, bytes| {
+        component.float(bytes, normalized)
+    })?;
     Ok((values, width))
 }
 
 /// Reads an accessor as unsigned integers.
-pub(super) fn read_indices(buffers: &Buffers, json: &Json, width: usize) -> Result<Vec<u32>, FileError> {
+pub(super) fn read_indices(
+    buffers: &Buffers,
+    json: &Json,
+    width: usize,
+) -> Result<Vec<u32>, FileError> {
     let accessor = Accessor::new(json)?;
     if accessor.width as usize != width {
-        return Err(json.error_at("type", format!("has {} components; expected {width}", accessor.width)));
+        return Err(json.error_at(
+            "type",
+            format!("has {} components; expected {width}", accessor.width),
+        ));
     }
     if !accessor.component.is_unsigned() {
-        return Err(json.error_at("componentType", "is signed or a float; expected 5121, 5123 or 5125"));
+        return Err(json.error_at(
+            "componentType",
+            "is signed or a float; expected 5121, 5123 or 5125",
+        ));
     }
     accessor.read(buffers, |component, _, bytes| component.index(bytes))
 }
@@ -115,12 +141,20 @@ impl<'a> Accessor<'a> {
             Some("VEC4" | "MAT2") => 4,
             Some("MAT3") => 9,
             Some("MAT4") => 16,
-            _ => return Err(json.error_at("type", "is unknown; expected SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4")),
+            _ => {
+                return Err(json.error_at(
+                    "type",
+                    "is unknown; expected SCALAR, VEC2, VEC3, VEC4, MAT2, MAT3 or MAT4",
+                ));
+            }
         };
         let count = json.size("count")?;
         if count > u64::from(u32::MAX) {
             let message = format!("is {count}; the limit is {} elements", u32::MAX);
-            return Err(FileError { kind: ErrorKind::Limit, ..json.error_at("count", message) });
+            return Err(FileError {
+                kind: ErrorKind::Limit,
+                ..json.error_at("count", message)
+            });
         }
         Ok(Self {
             json: json.clone(),
@@ -154,12 +188,17 @@ impl<'a> Accessor<'a> {
         let each = self.width * self.component.size();
         let stride = view.stride.unwrap_or(each);
         if stride < each {
-            return Err(self.json.error(format!("has elements of {each} bytes; `byteStride` is only {stride}")));
+            return Err(self.json.error(format!(
+                "has elements of {each} bytes; `byteStride` is only {stride}"
+            )));
         }
         let bytes = self.window(view, offset, stride, each, self.count)?;
         let mut values = vec![T::default(); self.count as usize * width];
         // The last element may end before its stride does.
-        for (out, bytes) in values.chunks_exact_mut(width).zip(bytes.chunks(stride as usize)) {
+        for (out, bytes) in values
+            .chunks_exact_mut(width)
+            .zip(bytes.chunks(stride as usize))
+        {
             element(bytes, out);
         }
         self.read_sparse(buffers, &mut values, element)?;
@@ -167,25 +206,43 @@ impl<'a> Accessor<'a> {
     }
 
     /// The bytes of `count` elements of `each` bytes, `stride` apart: exactly up to the end of the last one.
-    fn window<'b>(&self, view: View<'b>, offset: u64, stride: u64, each: u64, count: u64) -> Result<&'b [u8], FileError> {
+    fn window<'b>(
+        &self,
+        view: View<'b>,
+        offset: u64,
+        stride: u64,
+        each: u64,
+        count: u64,
+    ) -> Result<&'b [u8], FileError> {
         if count == 0 {
             return Ok(&[]);
         }
-        let need = stride.checked_mul(count - 1).and_then(|n| n.checked_add(each)).and_then(|n| n.checked_add(offset));
+        let need = stride
+            .checked_mul(count - 1)
+            .and_then(|n| n.checked_add(each))
+            .and_then(|n| n.checked_add(offset));
         let has = view.bytes.len() as u64;
         match need.filter(|need| *need <= has) {
             Some(need) => Ok(&view.bytes[offset as usize..need as usize]),
             None => {
                 let need = need.map_or("more than 2^64".to_owned(), |need| need.to_string());
-                Err(self.json.error(format!("needs {need} bytes; its buffer view has only {has}")))
+                Err(self.json.error(format!(
+                    "needs {need} bytes; its buffer view has only {has}"
+                )))
             }
         }
     }
 
     fn zeros<T: Copy + Default>(&self) -> Result<Vec<T>, FileError> {
         if self.count > MAX_ZEROS {
-            let message = format!("is {} without a buffer view; the limit is {MAX_ZEROS}", self.count);
-            return Err(FileError { kind: ErrorKind::Limit, ..self.json.error_at("count", message) });
+            let message = format!(
+                "is {} without a buffer view; the limit is {MAX_ZEROS}",
+                self.count
+            );
+            return Err(FileError {
+                kind: ErrorKind::Limit,
+                ..self.json.error_at("count", message)
+            });
         }
         Ok(vec![T::default(); (self.count * self.width) as usize])
     }
@@ -197,22 +254,35 @@ impl<'a> Accessor<'a> {
         values: &mut [T],
         element: impl Fn(&[u8], &mut [T]),
     ) -> Result<(), FileError> {
-        let Some(sparse) = self.json.object("sparse")? else { return Ok(()) };
+        let Some(sparse) = self.json.object("sparse")? else {
+            return Ok(());
+        };
         let count = sparse.size("count")?;
         if count > self.count {
-            return Err(sparse.error_at("count", format!("is {count}; the accessor has only {}", self.count)));
+            return Err(sparse.error_at(
+                "count",
+                format!("is {count}; the accessor has only {}", self.count),
+            ));
         }
         let part = |key: &str, each: u64| -> Result<_, FileError> {
-            let json = sparse.object(key)?.ok_or_else(|| sparse.error(format!("has no `{key}`")))?;
+            let json = sparse
+                .object(key)?
+                .ok_or_else(|| sparse.error(format!("has no `{key}`")))?;
             let view = json.index("bufferView", buffers.view_count())?;
             let view = buffers.view(view.ok_or_else(|| json.error("has no `bufferView`"))?)?;
             let offset = json.integer("byteOffset")?.unwrap_or(0);
-            self.window(view, offset, each, each, count).map_err(|error| json.error(error.message))
+            self.window(view, offset, each, each, count)
+                .map_err(|error| json.error(error.message))
         };
-        let indices = sparse.object("indices")?.ok_or_else(|| sparse.error("has no `indices`"))?;
+        let indices = sparse
+            .object("indices")?
+            .ok_or_else(|| sparse.error("has no `indices`"))?;
         let kind = Component::parse(&indices)?;
         if !kind.is_unsigned() {
-            return Err(indices.error_at("componentType", "is signed or a float; expected 5121, 5123 or 5125"));
+            return Err(indices.error_at(
+                "componentType",
+                "is signed or a float; expected 5121, 5123 or 5125",
+            ));
         }
         let each = self.width * self.component.size();
         let places = part("indices", kind.size())?.chunks_exact(kind.size() as usize);
@@ -220,7 +290,10 @@ impl<'a> Accessor<'a> {
         for (place, bytes) in places.zip(part("values", each)?.chunks_exact(each as usize)) {
             let index = kind.index(place);
             if last.is_some_and(|last| index <= last) || u64::from(index) >= self.count {
-                let message = format!("has index {index}; expected rising indices below {}", self.count);
+                let message = format!(
+                    "has index {index}; expected rising indices below {}",
+                    self.count
+                );
                 return Err(indices.error(message));
             }
             last = Some(index);

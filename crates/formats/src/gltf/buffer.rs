@@ -28,7 +28,11 @@ pub(super) struct View<'b> {
 
 impl<'a> Buffers<'a> {
     /// Loads every buffer; `binary` is the binary chunk of a .glb file.
-    pub(super) fn load(root: &Json<'a>, binary: Option<&'a [u8]>, report: &mut Report) -> Result<Self, FileError> {
+    pub(super) fn load(
+        root: &Json<'a>,
+        binary: Option<&'a [u8]>,
+        report: &mut Report,
+    ) -> Result<Self, FileError> {
         let mut buffers = Vec::new();
         for (i, buffer) in root.objects("buffers")?.into_iter().enumerate() {
             let size = buffer.size("byteLength")?;
@@ -40,7 +44,10 @@ impl<'a> Buffers<'a> {
             };
             let has = bytes.len() as u64;
             if has < size && !(has == 0 && !buffer.has("uri") && i > 0) {
-                return Err(buffer.error_at("byteLength", format!("is {size}; the buffer has only {has} bytes")));
+                return Err(buffer.error_at(
+                    "byteLength",
+                    format!("is {size}; the buffer has only {has} bytes"),
+                ));
             }
             buffers.push(bytes);
         }
@@ -63,9 +70,14 @@ impl<'a> Buffers<'a> {
         let buffer = &self.buffers[buffer];
         let offset = json.integer("byteOffset")?.unwrap_or(0);
         let length = json.size("byteLength")?;
-        let end = offset.checked_add(length).filter(|end| *end <= buffer.len() as u64);
+        let end = offset
+            .checked_add(length)
+            .filter(|end| *end <= buffer.len() as u64);
         let Some(end) = end else {
-            let message = format!("needs {length} bytes from {offset} on; the buffer has only {}", buffer.len());
+            let message = format!(
+                "needs {length} bytes from {offset} on; the buffer has only {}",
+                buffer.len()
+            );
             return Err(json.error(message));
         };
         Ok(View {
@@ -78,7 +90,8 @@ impl<'a> Buffers<'a> {
 
 /// Whether a URI is one of data.
 pub(super) fn is_data(uri: &str) -> bool {
-    uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
+    uri.get(..5)
+        .is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
 }
 
 /// The bytes of the `uri` of `json`, from the URI itself or from a file in the folder.
@@ -96,8 +109,15 @@ pub(super) fn load_uri<'a>(
     match folder::resolve(json.file, uri, NameSyntax::Uri) {
         Ok(path) => sniff::read_file(&path, report).map(Cow::Owned),
         Err(error) => {
-            let kind = if matches!(error, NameError::Missing(_)) { ErrorKind::Io } else { ErrorKind::Input };
-            Err(FileError { kind, ..json.error_at("uri", error.message()) })
+            let kind = if matches!(error, NameError::Missing(_)) {
+                ErrorKind::Io
+            } else {
+                ErrorKind::Input
+            };
+            Err(FileError {
+                kind,
+                ..json.error_at("uri", error.message())
+            })
         }
     }
 }
@@ -111,9 +131,13 @@ fn decode_data(json: &Json, uri: &str, size: u64) -> Result<Vec<u8>, FileError> 
     }
     let holds = data.len() as u64 / 4 * 3 + 3;
     if holds < size {
-        return Err(json.error_at("uri", format!("holds at most {holds} bytes; `byteLength` is {size}")));
+        return Err(json.error_at(
+            "uri",
+            format!("holds at most {holds} bytes; `byteLength` is {size}"),
+        ));
     }
-    let config = GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
+    let config =
+        GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent);
     let decoded = GeneralPurpose::new(&alphabet::STANDARD, config).decode(data);
     decoded.map_err(|error| json.error_at("uri", format!("is not base64: {error}")))
 }

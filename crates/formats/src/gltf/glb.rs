@@ -11,33 +11,60 @@ const BIN: u32 = 0x004E_4942;
 /// Every length is compared with the bytes that are there; unknown chunks are skipped.
 ///
 /// Source: Khronos, glTF 2.0 specification, section 4.4, "Binary glTF Layout".
-pub(super) fn split_glb<'a>(path: &Path, bytes: &'a [u8]) -> Result<(&'a [u8], Option<&'a [u8]>), FileError> {
-    let fail = |at: usize, message: String| Err(FileError::input(path, Place::Byte(at as u64), message));
-    let word = |at: usize| -> Option<u32> { Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?)) };
+pub(super) fn split_glb<'a>(
+    path: &Path,
+    bytes: &'a [u8],
+) -> Result<(&'a [u8], Option<&'a [u8]>), FileError> {
+    let fail =
+        |at: usize, message: String| Err(FileError::input(path, Place::Byte(at as u64), message));
+    let word = |at: usize| -> Option<u32> {
+        Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
+    };
     if !bytes.starts_with(b"glTF") {
-        return fail(0, "is not binary glTF; expected the letters glTF".to_owned());
+        return fail(
+            0,
+            "is not binary glTF; expected the letters glTF".to_owned(),
+        );
     }
     let (Some(version), Some(length)) = (word(4), word(8)) else {
-        return fail(bytes.len(), "the file ends inside its header; expected 12 bytes".to_owned());
+        return fail(
+            bytes.len(),
+            "the file ends inside its header; expected 12 bytes".to_owned(),
+        );
     };
     if version != 2 {
-        return fail(4, format!("is binary glTF of version {version}; expected 2"));
+        return fail(
+            4,
+            format!("is binary glTF of version {version}; expected 2"),
+        );
     }
     let length = length as usize;
     if length > bytes.len() {
-        return fail(8, format!("the header says {length} bytes; the file has only {}", bytes.len()));
+        return fail(
+            8,
+            format!(
+                "the header says {length} bytes; the file has only {}",
+                bytes.len()
+            ),
+        );
     }
 
     let (mut json, mut binary) = (None, None);
     let mut at = 12;
     while at < length {
         let (Some(size), Some(kind)) = (word(at), word(at + 4)) else {
-            return fail(at, "the file ends inside the header of a chunk; expected 8 bytes".to_owned());
+            return fail(
+                at,
+                "the file ends inside the header of a chunk; expected 8 bytes".to_owned(),
+            );
         };
         let start = at + 8;
         let left = length.saturating_sub(start);
         if size as usize > left {
-            return fail(at, format!("a chunk has {size} bytes; the file has only {left} left"));
+            return fail(
+                at,
+                format!("a chunk has {size} bytes; the file has only {left} left"),
+            );
         }
         let end = start + size as usize;
         match (kind, json.is_some()) {

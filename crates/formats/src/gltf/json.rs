@@ -15,9 +15,17 @@ pub(super) struct Json<'a> {
 
 impl<'a> Json<'a> {
     /// The object `value`, found at `pointer`.
-    pub(super) fn new(file: &'a Path, value: &'a Value, pointer: String) -> Result<Self, FileError> {
+    pub(super) fn new(
+        file: &'a Path,
+        value: &'a Value,
+        pointer: String,
+    ) -> Result<Self, FileError> {
         match value {
-            Value::Object(object) => Ok(Self { file, pointer, object }),
+            Value::Object(object) => Ok(Self {
+                file,
+                pointer,
+                object,
+            }),
             other => {
                 let message = format!("is {}; expected an object", show(other));
                 Err(FileError::input(file, Place::Pointer(pointer), message))
@@ -27,13 +35,21 @@ impl<'a> Json<'a> {
 
     /// An error about this object.
     pub(super) fn error(&self, message: impl Into<String>) -> FileError {
-        let pointer = if self.pointer.is_empty() { "/" } else { &self.pointer };
+        let pointer = if self.pointer.is_empty() {
+            "/"
+        } else {
+            &self.pointer
+        };
         FileError::input(self.file, Place::Pointer(pointer.to_owned()), message)
     }
 
     /// An error about one of its members.
     pub(super) fn error_at(&self, key: &str, message: impl Into<String>) -> FileError {
-        FileError::input(self.file, Place::Pointer(format!("{}/{key}", self.pointer)), message)
+        FileError::input(
+            self.file,
+            Place::Pointer(format!("{}/{key}", self.pointer)),
+            message,
+        )
     }
 
     fn wrong(&self, key: &str, value: &Value, expected: &str) -> FileError {
@@ -54,12 +70,15 @@ impl<'a> Json<'a> {
     }
 
     pub(super) fn object(&self, key: &str) -> Result<Option<Json<'a>>, FileError> {
-        self.get(key).map(|value| Json::new(self.file, value, format!("{}/{key}", self.pointer))).transpose()
+        self.get(key)
+            .map(|value| Json::new(self.file, value, format!("{}/{key}", self.pointer)))
+            .transpose()
     }
 
     /// An extension of this object.
     pub(super) fn extension(&self, name: &str) -> Result<Option<Json<'a>>, FileError> {
-        self.object("extensions")?.map_or(Ok(None), |extensions| extensions.object(name))
+        self.object("extensions")?
+            .map_or(Ok(None), |extensions| extensions.object(name))
     }
 
     /// An array; empty when absent.
@@ -75,46 +94,72 @@ impl<'a> Json<'a> {
     pub(super) fn objects(&self, key: &str) -> Result<Vec<Json<'a>>, FileError> {
         let place = |i: usize| format!("{}/{key}/{i}", self.pointer);
         let values = self.array(key)?.iter().enumerate();
-        values.map(|(i, value)| Json::new(self.file, value, place(i))).collect()
+        values
+            .map(|(i, value)| Json::new(self.file, value, place(i)))
+            .collect()
     }
 
     /// An array of indices below `len`.
     pub(super) fn indices(&self, key: &str, len: usize) -> Result<Vec<usize>, FileError> {
         let values = self.array(key)?.iter().enumerate();
-        values.map(|(i, value)| self.check_index(&format!("{key}/{i}"), value, len)).collect()
+        values
+            .map(|(i, value)| self.check_index(&format!("{key}/{i}"), value, len))
+            .collect()
     }
 
     /// An index below `len`.
     pub(super) fn index(&self, key: &str, len: usize) -> Result<Option<usize>, FileError> {
-        self.get(key).map(|value| self.check_index(key, value, len)).transpose()
+        self.get(key)
+            .map(|value| self.check_index(key, value, len))
+            .transpose()
     }
 
     fn check_index(&self, key: &str, value: &Value, len: usize) -> Result<usize, FileError> {
-        let index = value.as_u64().and_then(|i| usize::try_from(i).ok()).filter(|i| *i < len);
-        index.ok_or_else(|| self.wrong(key, value, &format!("an index below {len}, the number of entries")))
+        let index = value
+            .as_u64()
+            .and_then(|i| usize::try_from(i).ok())
+            .filter(|i| *i < len);
+        index.ok_or_else(|| {
+            self.wrong(
+                key,
+                value,
+                &format!("an index below {len}, the number of entries"),
+            )
+        })
     }
 
     pub(super) fn integer(&self, key: &str) -> Result<Option<u64>, FileError> {
-        let number = |value: &Value| value.as_u64().ok_or_else(|| self.wrong(key, value, "a whole number, at least 0"));
+        let number = |value: &Value| {
+            value
+                .as_u64()
+                .ok_or_else(|| self.wrong(key, value, "a whole number, at least 0"))
+        };
         self.get(key).map(number).transpose()
     }
 
     /// A required size or count.
     pub(super) fn size(&self, key: &str) -> Result<u64, FileError> {
-        self.integer(key)?.ok_or_else(|| self.error(format!("has no `{key}`")))
+        self.integer(key)?
+            .ok_or_else(|| self.error(format!("has no `{key}`")))
     }
 
     /// A number that an f32 can hold.
     pub(super) fn number(&self, key: &str) -> Result<Option<f32>, FileError> {
-        self.get(key).map(|value| to_f32(value).ok_or_else(|| self.wrong(key, value, "a number"))).transpose()
+        self.get(key)
+            .map(|value| to_f32(value).ok_or_else(|| self.wrong(key, value, "a number")))
+            .transpose()
     }
 
     pub(super) fn numbers<const N: usize>(&self, key: &str) -> Result<Option<[f32; N]>, FileError> {
-        let Some(value) = self.get(key) else { return Ok(None) };
+        let Some(value) = self.get(key) else {
+            return Ok(None);
+        };
         let list = value.as_array().filter(|list| list.len() == N);
         let numbers: Option<Vec<f32>> = list.and_then(|list| list.iter().map(to_f32).collect());
         let fixed = numbers.and_then(|numbers| <[f32; N]>::try_from(numbers).ok());
-        fixed.map(Some).ok_or_else(|| self.wrong(key, value, &format!("an array of {N} numbers")))
+        fixed
+            .map(Some)
+            .ok_or_else(|| self.wrong(key, value, &format!("an array of {N} numbers")))
     }
 
     pub(super) fn color(&self, key: &str, default: Vec3) -> Result<Vec3, FileError> {
@@ -122,12 +167,20 @@ impl<'a> Json<'a> {
     }
 
     pub(super) fn text(&self, key: &str) -> Result<Option<&'a str>, FileError> {
-        let text = |value: &'a Value| value.as_str().ok_or_else(|| self.wrong(key, value, "a string"));
+        let text = |value: &'a Value| {
+            value
+                .as_str()
+                .ok_or_else(|| self.wrong(key, value, "a string"))
+        };
         self.get(key).map(text).transpose()
     }
 
     pub(super) fn flag(&self, key: &str) -> Result<bool, FileError> {
-        let flag = |value: &Value| value.as_bool().ok_or_else(|| self.wrong(key, value, "true or false"));
+        let flag = |value: &Value| {
+            value
+                .as_bool()
+                .ok_or_else(|| self.wrong(key, value, "true or false"))
+        };
         self.get(key).map_or(Ok(false), flag)
     }
 

@@ -15,7 +15,10 @@ pub(super) fn read_camera(json: &Json, world: &Affine3A) -> Result<Camera, FileE
         ("perspective", Some(body)) => {
             let vertical_fov = body.number("yfov")?.unwrap_or(0.0);
             if !(vertical_fov > 0.0 && vertical_fov < PI) {
-                return Err(body.error_at("yfov", format!("is {vertical_fov}; expected more than 0 and less than pi")));
+                return Err(body.error_at(
+                    "yfov",
+                    format!("is {vertical_fov}; expected more than 0 and less than pi"),
+                ));
             }
             (Projection::Perspective { vertical_fov }, body)
         }
@@ -26,16 +29,25 @@ pub(super) fn read_camera(json: &Json, world: &Affine3A) -> Result<Camera, FileE
             }
             (Projection::Orthographic { half_height }, body)
         }
-        _ => return Err(json.error("is no camera; expected `type` perspective or orthographic, and its object")),
+        _ => {
+            return Err(json.error(
+                "is no camera; expected `type` perspective or orthographic, and its object",
+            ));
+        }
     };
     let perspective = matches!(projection, Projection::Perspective { .. });
     let near = body.number("znear")?.unwrap_or(0.0);
-    let far = body.number("zfar")?.unwrap_or(if perspective { f32::INFINITY } else { 1e4 });
+    let far = body
+        .number("zfar")?
+        .unwrap_or(if perspective { f32::INFINITY } else { 1e4 });
     if near < 0.0 || (perspective && near == 0.0) {
         return Err(body.error_at("znear", format!("is {near}; expected more than 0")));
     }
     if !(far > near) {
-        return Err(body.error_at("zfar", format!("is {far}; expected more than znear, {near}")));
+        return Err(body.error_at(
+            "zfar",
+            format!("is {far}; expected more than znear, {near}"),
+        ));
     }
     Ok(Camera {
         name: json.name("camera"),
@@ -50,8 +62,16 @@ pub(super) fn read_camera(json: &Json, world: &Affine3A) -> Result<Camera, FileE
 fn pose(world: &Affine3A) -> Affine3A {
     let m = &world.matrix3;
     let back = Vec3::from(m.z_axis).try_normalize().unwrap_or(Vec3::Z);
-    let right = Vec3::from(m.y_axis).cross(back).try_normalize().unwrap_or_else(|| back.any_orthonormal_vector());
-    Affine3A::from_cols(right.into(), back.cross(right).into(), back.into(), world.translation)
+    let right = Vec3::from(m.y_axis)
+        .cross(back)
+        .try_normalize()
+        .unwrap_or_else(|| back.any_orthonormal_vector());
+    Affine3A::from_cols(
+        right.into(),
+        back.cross(right).into(),
+        back.into(),
+        world.translation,
+    )
 }
 
 /// Reads a light of KHR_lights_punctual; it shines along −z of its node, whose scale does not count.
@@ -65,15 +85,37 @@ pub(super) fn read_light(json: &Json, world: &Affine3A) -> Result<Light, FileErr
         return Err(json.error_at("intensity", format!("is {strength}; expected at least 0")));
     }
     let intensity = color * strength;
-    let range = json.number("range")?.filter(|range| *range > 0.0).unwrap_or(f32::INFINITY);
+    let range = json
+        .number("range")?
+        .filter(|range| *range > 0.0)
+        .unwrap_or(f32::INFINITY);
     let position = Vec3::from(world.translation);
-    let direction = (-Vec3::from(world.matrix3.z_axis)).try_normalize().unwrap_or(Vec3::NEG_Z);
+    let direction = (-Vec3::from(world.matrix3.z_axis))
+        .try_normalize()
+        .unwrap_or(Vec3::NEG_Z);
     match json.text("type")? {
-        Some("point") => Ok(Light::Point(PointLight { name, position, intensity, range })),
-        Some("directional") => Ok(Light::Directional(DirectionalLight { name, direction, illuminance: intensity })),
+        Some("point") => Ok(Light::Point(PointLight {
+            name,
+            position,
+            intensity,
+            range,
+        })),
+        Some("directional") => Ok(Light::Directional(DirectionalLight {
+            name,
+            direction,
+            illuminance: intensity,
+        })),
         Some("spot") => {
             let (inner_angle, outer_angle) = read_cone(json)?;
-            Ok(Light::Spot(SpotLight { name, position, direction, intensity, range, inner_angle, outer_angle }))
+            Ok(Light::Spot(SpotLight {
+                name,
+                position,
+                direction,
+                intensity,
+                range,
+                inner_angle,
+                outer_angle,
+            }))
         }
         _ => Err(json.error_at("type", "is unknown; expected point, spot or directional")),
     }
@@ -81,10 +123,18 @@ pub(super) fn read_light(json: &Json, world: &Affine3A) -> Result<Light, FileErr
 
 fn read_cone(json: &Json) -> Result<(f32, f32), FileError> {
     let spot = json.object("spot")?;
-    let angle = |key: &str, default: f32| spot.as_ref().map_or(Ok(None), |s| s.number(key)).map(|a| a.unwrap_or(default));
-    let (inner, outer) = (angle("innerConeAngle", 0.0)?, angle("outerConeAngle", FRAC_PI_4)?);
+    let angle = |key: &str, default: f32| {
+        spot.as_ref()
+            .map_or(Ok(None), |s| s.number(key))
+            .map(|a| a.unwrap_or(default))
+    };
+    let (inner, outer) = (
+        angle("innerConeAngle", 0.0)?,
+        angle("outerConeAngle", FRAC_PI_4)?,
+    );
     if !(inner >= 0.0 && inner < outer && outer <= FRAC_PI_2 + 1e-4) {
-        let message = format!("has the angles {inner} and {outer}; expected 0 <= inner < outer <= pi/2");
+        let message =
+            format!("has the angles {inner} and {outer}; expected 0 <= inner < outer <= pi/2");
         return Err(json.error_at("spot", message));
     }
     Ok((inner, outer.min(FRAC_PI_2)))

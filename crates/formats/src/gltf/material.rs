@@ -41,10 +41,19 @@ pub(super) fn read_material(
         material.base_color = unit(Vec3::new(r, g, b));
         material.alpha = a.clamp(0.0, 1.0);
         material.metallic = pbr.number("metallicFactor")?.unwrap_or(1.0).clamp(0.0, 1.0);
-        material.roughness = pbr.number("roughnessFactor")?.unwrap_or(1.0).clamp(0.0, 1.0);
-        material.base_color_texture = textures.read(&pbr, "baseColorTexture", Encoding::Srgb, scene, report)?;
-        material.metallic_roughness_texture =
-            textures.read(&pbr, "metallicRoughnessTexture", Encoding::Linear, scene, report)?;
+        material.roughness = pbr
+            .number("roughnessFactor")?
+            .unwrap_or(1.0)
+            .clamp(0.0, 1.0);
+        material.base_color_texture =
+            textures.read(&pbr, "baseColorTexture", Encoding::Srgb, scene, report)?;
+        material.metallic_roughness_texture = textures.read(
+            &pbr,
+            "metallicRoughnessTexture",
+            Encoding::Linear,
+            scene,
+            report,
+        )?;
     }
     read_extensions(json, &mut material, textures, scene, report)?;
     Ok(material)
@@ -81,11 +90,22 @@ fn read_extensions(
         material.ior = ior.number("ior")?.unwrap_or(1.5).max(1.0);
     }
     if let Some(glass) = json.extension("KHR_materials_transmission")? {
-        material.transmission = glass.number("transmissionFactor")?.unwrap_or(0.0).clamp(0.0, 1.0);
-        material.transmission_texture = textures.read(&glass, "transmissionTexture", Encoding::Linear, scene, report)?;
+        material.transmission = glass
+            .number("transmissionFactor")?
+            .unwrap_or(0.0)
+            .clamp(0.0, 1.0);
+        material.transmission_texture = textures.read(
+            &glass,
+            "transmissionTexture",
+            Encoding::Linear,
+            scene,
+            report,
+        )?;
     }
     let volume = json.extension("KHR_materials_volume")?;
-    let thickness = volume.as_ref().map_or(Ok(None), |volume| volume.number("thicknessFactor"))?;
+    let thickness = volume
+        .as_ref()
+        .map_or(Ok(None), |volume| volume.number("thicknessFactor"))?;
     // Rays find the real thickness; the factor only tells a solid from a sheet.
     material.thin_walled = material.transmission > 0.0 && thickness.unwrap_or(0.0) <= 0.0;
     if let Some(volume) = volume {
@@ -110,13 +130,20 @@ fn read_glossiness(
     scene: &mut Scene,
     report: &mut Report,
 ) -> Result<(), FileError> {
-    let Some(old) = json.extension("KHR_materials_pbrSpecularGlossiness")? else { return Ok(()) };
+    let Some(old) = json.extension("KHR_materials_pbrSpecularGlossiness")? else {
+        return Ok(());
+    };
     let [r, g, b, a] = old.numbers("diffuseFactor")?.unwrap_or([1.0; 4]);
     material.base_color = unit(Vec3::new(r, g, b));
     material.alpha = a.clamp(0.0, 1.0);
-    material.base_color_texture = textures.read(&old, "diffuseTexture", Encoding::Srgb, scene, report)?;
+    material.base_color_texture =
+        textures.read(&old, "diffuseTexture", Encoding::Srgb, scene, report)?;
     material.metallic = 0.0;
-    material.roughness = 1.0 - old.number("glossinessFactor")?.unwrap_or(1.0).clamp(0.0, 1.0);
+    material.roughness = 1.0
+        - old
+            .number("glossinessFactor")?
+            .unwrap_or(1.0)
+            .clamp(0.0, 1.0);
     material.metallic_roughness_texture = None;
     if old.has("specularFactor") || old.has("specularGlossinessTexture") {
         report.ignore("specular colour of KHR_materials_pbrSpecularGlossiness");

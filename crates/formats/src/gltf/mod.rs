@@ -44,15 +44,24 @@ impl Budget {
     pub(in crate::gltf) fn take(&mut self, json: &Json, n: usize) -> Result<(), FileError> {
         let left = self.0.checked_sub(n as u64);
         self.0 = left.ok_or_else(|| {
-            let message = format!("the file unfolds to more than {MAX_UNFOLDED} vertices, triangles and instances");
-            FileError { kind: ErrorKind::Limit, ..json.error(message) }
+            let message = format!(
+                "the file unfolds to more than {MAX_UNFOLDED} vertices, triangles and instances"
+            );
+            FileError {
+                kind: ErrorKind::Limit,
+                ..json.error(message)
+            }
         })?;
         Ok(())
     }
 }
 
 /// Reads a .gltf file.
-pub(crate) fn import_gltf(path: &Path, bytes: &[u8], report: &mut Report) -> Result<Scene, FileError> {
+pub(crate) fn import_gltf(
+    path: &Path,
+    bytes: &[u8],
+    report: &mut Report,
+) -> Result<Scene, FileError> {
     let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let value = parse(bytes).map_err(|error| {
         let place = Place::Line(error.line(), error.column().max(1));
@@ -62,10 +71,16 @@ pub(crate) fn import_gltf(path: &Path, bytes: &[u8], report: &mut Report) -> Res
 }
 
 /// Reads a .glb file.
-pub(crate) fn import_glb(path: &Path, bytes: &[u8], report: &mut Report) -> Result<Scene, FileError> {
+pub(crate) fn import_glb(
+    path: &Path,
+    bytes: &[u8],
+    report: &mut Report,
+) -> Result<Scene, FileError> {
     let (json, binary) = glb::split_glb(path, bytes)?;
     let value = parse(json).map_err(|error| {
-        let lines = json.split_inclusive(|&b| b == b'\n').take(error.line().saturating_sub(1));
+        let lines = json
+            .split_inclusive(|&b| b == b'\n')
+            .take(error.line().saturating_sub(1));
         let before: usize = lines.map(<[u8]>::len).sum();
         // The JSON chunk begins after the file's and its own header.
         let byte = 20 + before + error.column().saturating_sub(1);
@@ -84,7 +99,12 @@ fn json_message(error: &serde_json::Error) -> String {
     format!("is not JSON: {}", &text[..cut])
 }
 
-fn import(path: &Path, value: &Value, binary: Option<&[u8]>, report: &mut Report) -> Result<Scene, FileError> {
+fn import(
+    path: &Path,
+    value: &Value,
+    binary: Option<&[u8]>,
+    report: &mut Report,
+) -> Result<Scene, FileError> {
     let root = Json::new(path, value, String::new())?;
     check_version(&root)?;
     check_extensions(&root, report)?;
@@ -102,14 +122,24 @@ fn import(path: &Path, value: &Value, binary: Option<&[u8]>, report: &mut Report
 }
 
 fn check_version(root: &Json) -> Result<(), FileError> {
-    let asset = root.object("asset")?.ok_or_else(|| root.error("has no `asset`; expected a glTF 2.0 file"))?;
-    let version = asset.text("version")?.ok_or_else(|| asset.error("has no `version`; expected \"2.0\""))?;
+    let asset = root
+        .object("asset")?
+        .ok_or_else(|| root.error("has no `asset`; expected a glTF 2.0 file"))?;
+    let version = asset
+        .text("version")?
+        .ok_or_else(|| asset.error("has no `version`; expected \"2.0\""))?;
     let least = asset.text("minVersion")?.unwrap_or("2.0");
     if version.split('.').next() != Some("2") {
-        return Err(asset.error_at("version", format!("is {}; expected 2.0", crate::folder::shorten(version))));
+        return Err(asset.error_at(
+            "version",
+            format!("is {}; expected 2.0", crate::folder::shorten(version)),
+        ));
     }
     if least != "2.0" {
-        return Err(asset.error_at("minVersion", format!("is {}; expected 2.0", crate::folder::shorten(least))));
+        return Err(asset.error_at(
+            "minVersion",
+            format!("is {}; expected 2.0", crate::folder::shorten(least)),
+        ));
     }
     Ok(())
 }
@@ -119,18 +149,27 @@ fn check_extensions(root: &Json, report: &mut Report) -> Result<(), FileError> {
         let name = name.as_str().unwrap_or_default();
         if !SUPPORTED.contains(&name) {
             let hint = match name {
-                "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+                "KHR_draco_mesh_compression"
+                | "EXT_meshopt_compression"
+                | "KHR_meshopt_compression" => {
                     "; decompress the file first: gltf-transform copy IN.glb OUT.glb"
                 }
-                "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" => "; convert the textures to PNG or JPEG first",
+                "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" => {
+                    "; convert the textures to PNG or JPEG first"
+                }
                 _ => "",
             };
             let name = crate::folder::shorten(name);
-            let message = format!("extension {name} is required by the file and not supported{hint}");
+            let message =
+                format!("extension {name} is required by the file and not supported{hint}");
             return Err(root.error_at(&format!("extensionsRequired/{i}"), message));
         }
     }
-    for name in root.array("extensionsUsed")?.iter().filter_map(Value::as_str) {
+    for name in root
+        .array("extensionsUsed")?
+        .iter()
+        .filter_map(Value::as_str)
+    {
         if !SUPPORTED.contains(&name) {
             report.ignore(format!("extension {}", crate::folder::shorten(name)));
         }

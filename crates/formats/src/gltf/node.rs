@@ -24,10 +24,17 @@ struct Tree {
 }
 
 /// Reads everything that stands in the file's scene: its default one, the first one, or all roots.
-pub(super) fn read_nodes(root: &Json, buffers: &Buffers, scene: &mut Scene, report: &mut Report) -> Result<(), FileError> {
+pub(super) fn read_nodes(
+    root: &Json,
+    buffers: &Buffers,
+    scene: &mut Scene,
+    report: &mut Report,
+) -> Result<(), FileError> {
     let nodes = root.objects("nodes")?;
     let tree = read_tree(root, &nodes)?;
-    let lights = root.extension("KHR_lights_punctual")?.map_or(Ok(Vec::new()), |l| l.objects("lights"))?;
+    let lights = root
+        .extension("KHR_lights_punctual")?
+        .map_or(Ok(Vec::new()), |l| l.objects("lights"))?;
     let cameras = root.objects("cameras")?;
     let mut reader = Reader {
         source: Source {
@@ -74,7 +81,10 @@ fn read_tree(root: &Json, nodes: &[Json]) -> Result<Tree, FileError> {
         let list = node.indices("children", nodes.len())?;
         for &child in &list {
             if std::mem::replace(&mut has_parent[child], true) {
-                return Err(node.error_at("children", format!("node {child} has two parents; expected a tree")));
+                return Err(node.error_at(
+                    "children",
+                    format!("node {child} has two parents; expected a tree"),
+                ));
             }
         }
         children.push(list);
@@ -97,7 +107,9 @@ fn read_tree(root: &Json, nodes: &[Json]) -> Result<Tree, FileError> {
     let mut stack: Vec<(usize, usize)> = all_roots.map(|i| (i, 1)).collect();
     while let Some((i, depth)) = stack.pop() {
         if depth > MAX_DEPTH {
-            return Err(nodes[i].error(format!("is deeper than {MAX_DEPTH} nodes; expected a flatter tree")));
+            return Err(nodes[i].error(format!(
+                "is deeper than {MAX_DEPTH} nodes; expected a flatter tree"
+            )));
         }
         visited[i] = true;
         let local = read_transform(&nodes[i])?;
@@ -125,11 +137,17 @@ fn read_transform(node: &Json) -> Result<Affine3A, FileError> {
     let translation = node.color("translation", Vec3::ZERO)?;
     let scale = node.color("scale", Vec3::ONE)?;
     let rotation = match node.numbers::<4>("rotation")? {
-        Some(q) if q == [0.0; 4] => return Err(node.error_at("rotation", "is 0; expected a unit quaternion")),
+        Some(q) if q == [0.0; 4] => {
+            return Err(node.error_at("rotation", "is 0; expected a unit quaternion"));
+        }
         Some(q) => Quat::from_array(q).normalize(),
         None => Quat::IDENTITY,
     };
-    Ok(Affine3A::from_scale_rotation_translation(scale, rotation, translation))
+    Ok(Affine3A::from_scale_rotation_translation(
+        scale,
+        rotation,
+        translation,
+    ))
 }
 
 /// Reads the meshes of nodes; one that several nodes share is read once.
@@ -147,8 +165,15 @@ struct Reader<'a, 's> {
 }
 
 impl Reader<'_, '_> {
-    fn mesh(&mut self, node: &Json, worlds: &[Affine3A], mut world: Affine3A) -> Result<(), FileError> {
-        let Some(index) = node.index("mesh", self.meshes.len())? else { return Ok(()) };
+    fn mesh(
+        &mut self,
+        node: &Json,
+        worlds: &[Affine3A],
+        mut world: Affine3A,
+    ) -> Result<(), FileError> {
+        let Some(index) = node.index("mesh", self.meshes.len())? else {
+            return Ok(());
+        };
         let skin = node.index("skin", self.skins.len())?;
         let own = skin.is_some() || node.has("weights");
         let parts = match self.known.get(&index) {
@@ -157,7 +182,12 @@ impl Reader<'_, '_> {
                 let joints = match skin {
                     Some(skin) => {
                         let json = &self.skins[skin];
-                        Some(skin::joint_matrices(json, self.source.buffers, &self.source.accessors, worlds)?)
+                        Some(skin::joint_matrices(
+                            json,
+                            self.source.buffers,
+                            &self.source.accessors,
+                            worlds,
+                        )?)
                     }
                     None => None,
                 };
@@ -171,29 +201,47 @@ impl Reader<'_, '_> {
         if skin.is_some() {
             world = Affine3A::IDENTITY;
         }
-        if !(world.matrix3.determinant() != 0.0 && world.inverse().is_finite() && world.is_finite()) {
-            self.report.ignore_n("node with a transform that cannot be inverted", 1);
+        if !(world.matrix3.determinant() != 0.0 && world.inverse().is_finite() && world.is_finite())
+        {
+            self.report
+                .ignore_n("node with a transform that cannot be inverted", 1);
             return Ok(());
         }
         self.budget.take(node, parts.len())?;
-        self.scene.instances.extend(parts.into_iter().map(|(mesh, material)| Instance {
-            name: node.name("node"),
-            geometry: Geometry::Mesh(mesh),
-            transform: world,
-            material,
-            inside_out: false,
-        }));
+        self.scene
+            .instances
+            .extend(parts.into_iter().map(|(mesh, material)| Instance {
+                name: node.name("node"),
+                geometry: Geometry::Mesh(mesh),
+                transform: world,
+                material,
+                inside_out: false,
+            }));
         Ok(())
     }
 
     /// The primitives of mesh `index`, in the world if there are joints.
-    fn parts(&mut self, node: &Json, index: usize, joints: Option<&[Affine3A]>) -> Result<Vec<(MeshId, MaterialId)>, FileError> {
+    fn parts(
+        &mut self,
+        node: &Json,
+        index: usize,
+        joints: Option<&[Affine3A]>,
+    ) -> Result<Vec<(MeshId, MaterialId)>, FileError> {
         let json = self.meshes[index].clone();
         let weights = if node.has("weights") { node } else { &json };
-        let weights: Vec<f32> = weights.array("weights")?.iter().map(|w| w.as_f64().unwrap_or(0.0) as f32).collect();
+        let weights: Vec<f32> = weights
+            .array("weights")?
+            .iter()
+            .map(|w| w.as_f64().unwrap_or(0.0) as f32)
+            .collect();
         let mut parts = Vec::new();
         for primitive in json.objects("primitives")? {
-            let Some(mut read) = self.source.read(&primitive, &weights, &mut self.budget, self.report)? else { continue };
+            let Some(mut read) =
+                self.source
+                    .read(&primitive, &weights, &mut self.budget, self.report)?
+            else {
+                continue;
+            };
             if let Some(joints) = joints {
                 skin::apply_skin(&primitive, &mut read, joints)?;
             }

@@ -20,8 +20,15 @@ pub(super) struct Primitive {
 }
 
 impl Source<'_, '_> {
-    fn floats(&self, attributes: &Json, name: &str, widths: &[usize]) -> Result<Option<(Vec<f32>, usize)>, FileError> {
-        let Some(index) = attributes.index(name, self.accessors.len())? else { return Ok(None) };
+    fn floats(
+        &self,
+        attributes: &Json,
+        name: &str,
+        widths: &[usize],
+    ) -> Result<Option<(Vec<f32>, usize)>, FileError> {
+        let Some(index) = attributes.index(name, self.accessors.len())? else {
+            return Ok(None);
+        };
         accessor::read_floats(self.buffers, &self.accessors[index], widths).map(Some)
     }
 
@@ -54,7 +61,9 @@ impl Source<'_, '_> {
             report.ignore("points or lines");
             return Ok(None);
         }
-        let attributes = json.object("attributes")?.ok_or_else(|| json.error("has no `attributes`"))?;
+        let attributes = json
+            .object("attributes")?
+            .ok_or_else(|| json.error("has no `attributes`"))?;
         let Some(positions) = self.vectors(&attributes, "POSITION")? else {
             report.ignore("primitive without POSITION");
             return Ok(None);
@@ -69,15 +78,33 @@ impl Source<'_, '_> {
         Ok(Some(primitive))
     }
 
-    fn attributes(&self, json: &Json, positions: Vec<Vec3>, report: &mut Report) -> Result<Primitive, FileError> {
-        const KNOWN: [&str; 8] =
-            ["POSITION", "NORMAL", "TANGENT", "TEXCOORD_0", "TEXCOORD_1", "COLOR_0", "JOINTS_0", "WEIGHTS_0"];
-        for name in json.keys().filter(|name| !KNOWN.contains(name) && !name.starts_with('_')) {
+    fn attributes(
+        &self,
+        json: &Json,
+        positions: Vec<Vec3>,
+        report: &mut Report,
+    ) -> Result<Primitive, FileError> {
+        const KNOWN: [&str; 8] = [
+            "POSITION",
+            "NORMAL",
+            "TANGENT",
+            "TEXCOORD_0",
+            "TEXCOORD_1",
+            "COLOR_0",
+            "JOINTS_0",
+            "WEIGHTS_0",
+        ];
+        for name in json
+            .keys()
+            .filter(|name| !KNOWN.contains(name) && !name.starts_with('_'))
+        {
             report.ignore(format!("vertex attribute {}", crate::folder::shorten(name)));
         }
         let uvs = |name: &str| -> Result<Vec<Vec2>, FileError> {
             let floats = self.floats(json, name, &[2])?;
-            Ok(floats.map_or(Vec::new(), |(values, _)| values.chunks_exact(2).map(Vec2::from_slice).collect()))
+            Ok(floats.map_or(Vec::new(), |(values, _)| {
+                values.chunks_exact(2).map(Vec2::from_slice).collect()
+            }))
         };
         let joints = match json.index("JOINTS_0", self.accessors.len())? {
             Some(index) => accessor::read_indices(self.buffers, &self.accessors[index], 4)?,
@@ -93,7 +120,10 @@ impl Source<'_, '_> {
                 colors: self.vectors4(json, "COLOR_0")?,
                 indices: Vec::new(),
             },
-            joints: joints.chunks_exact(4).map(|j| [j[0], j[1], j[2], j[3]]).collect(),
+            joints: joints
+                .chunks_exact(4)
+                .map(|j| [j[0], j[1], j[2], j[3]])
+                .collect(),
             weights: self.vectors4(json, "WEIGHTS_0")?,
         })
     }
@@ -104,13 +134,25 @@ impl Source<'_, '_> {
             if weight == 0.0 {
                 continue;
             }
-            for (name, values) in [("POSITION", &mut mesh.positions), ("NORMAL", &mut mesh.normals)] {
-                let Some(moves) = self.vectors(target, name)? else { continue };
+            for (name, values) in [
+                ("POSITION", &mut mesh.positions),
+                ("NORMAL", &mut mesh.normals),
+            ] {
+                let Some(moves) = self.vectors(target, name)? else {
+                    continue;
+                };
                 if moves.len() != values.len() {
-                    let message = format!("has {} elements; the primitive has {}", moves.len(), values.len());
+                    let message = format!(
+                        "has {} elements; the primitive has {}",
+                        moves.len(),
+                        values.len()
+                    );
                     return Err(target.error_at(name, message));
                 }
-                values.iter_mut().zip(moves).for_each(|(value, by)| *value += weight * by);
+                values
+                    .iter_mut()
+                    .zip(moves)
+                    .for_each(|(value, by)| *value += weight * by);
             }
         }
         Ok(())
@@ -124,7 +166,9 @@ impl Source<'_, '_> {
         let accessor = &self.accessors[index];
         let corners = accessor::read_indices(self.buffers, accessor, 1)?;
         match corners.iter().find(|&&i| i as usize >= vertices) {
-            Some(bad) => Err(accessor.error(format!("has index {bad}; expected less than {vertices}, the number of vertices"))),
+            Some(bad) => Err(accessor.error(format!(
+                "has index {bad}; expected less than {vertices}, the number of vertices"
+            ))),
             None => Ok(corners),
         }
     }
@@ -154,8 +198,19 @@ fn check_lengths(json: &Json, primitive: &Primitive) -> Result<(), FileError> {
 fn assemble(mode: u64, corners: &[u32]) -> Vec<[u32; 3]> {
     let windows = corners.windows(3).enumerate();
     match mode {
-        4 => corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
-        5 => windows.map(|(i, t)| if i % 2 == 0 { [t[0], t[1], t[2]] } else { [t[0], t[2], t[1]] }).collect(),
+        4 => corners
+            .chunks_exact(3)
+            .map(|t| [t[0], t[1], t[2]])
+            .collect(),
+        5 => windows
+            .map(|(i, t)| {
+                if i % 2 == 0 {
+                    [t[0], t[1], t[2]]
+                } else {
+                    [t[0], t[2], t[1]]
+                }
+            })
+            .collect(),
         _ => windows.map(|(_, t)| [corners[0], t[1], t[2]]).collect(),
     }
 }

@@ -47,7 +47,9 @@ impl<'a, 'b> Textures<'a, 'b> {
         scene: &mut Scene,
         report: &mut Report,
     ) -> Result<Option<TextureRef>, FileError> {
-        let Some(info) = material.object(slot)? else { return Ok(None) };
+        let Some(info) = material.object(slot)? else {
+            return Ok(None);
+        };
         let Some(index) = info.index("index", self.textures.len())? else {
             return Err(info.error("has no `index`"));
         };
@@ -67,7 +69,11 @@ impl<'a, 'b> Textures<'a, 'b> {
             None => self.load(index, encoding, scene, report)?,
         };
         self.known.insert(key, id);
-        Ok(id.map(|texture| TextureRef { texture, uv_set: uv_set as u8, transform }))
+        Ok(id.map(|texture| TextureRef {
+            texture,
+            uv_set: uv_set as u8,
+            transform,
+        }))
     }
 
     fn load(
@@ -79,7 +85,10 @@ impl<'a, 'b> Textures<'a, 'b> {
     ) -> Result<Option<TextureId>, FileError> {
         let texture = self.textures[index].clone();
         let Some(source) = texture.index("source", self.images.len())? else {
-            report.ignore(format!("texture without a PNG or JPEG image: {}", folder::shorten(&texture.name("texture"))));
+            report.ignore(format!(
+                "texture without a PNG or JPEG image: {}",
+                folder::shorten(&texture.name("texture"))
+            ));
             return Ok(None);
         };
         let image = self.images[source].clone();
@@ -102,13 +111,22 @@ impl<'a, 'b> Textures<'a, 'b> {
         self.texels += decoded.texels.len() as u64;
         if self.texels > MAX_TEXELS {
             let message = format!("the textures have more than {MAX_TEXELS} texels together");
-            return Err(FileError { kind: ErrorKind::Limit, ..image.error(message) });
+            return Err(FileError {
+                kind: ErrorKind::Limit,
+                ..image.error(message)
+            });
         }
         let (wrap, filter) = match texture.index("sampler", self.samplers.len())? {
             Some(sampler) => read_sampler(&self.samplers[sampler])?,
             None => ([Wrap::Repeat; 2], Filter::Bilinear),
         };
-        scene.textures.push(Texture::Image(ImageTexture { name, encoding, wrap, filter, ..decoded }));
+        scene.textures.push(Texture::Image(ImageTexture {
+            name,
+            encoding,
+            wrap,
+            filter,
+            ..decoded
+        }));
         Ok(Some(TextureId(scene.textures.len() as u32 - 1)))
     }
 
@@ -125,7 +143,9 @@ impl<'a, 'b> Textures<'a, 'b> {
 
 fn image_name(image: &Json) -> Result<String, FileError> {
     let uri = image.text("uri")?.filter(|uri| !is_data(uri));
-    Ok(folder::shorten(&uri.map_or_else(|| image.name("image"), str::to_owned)))
+    Ok(folder::shorten(
+        &uri.map_or_else(|| image.name("image"), str::to_owned),
+    ))
 }
 
 /// `uv' = T · R · S · uv`; R turns counter-clockwise as seen in the picture, whose v grows downwards.
@@ -135,7 +155,10 @@ fn read_transform(json: &Json) -> Result<Affine2, FileError> {
     let offset = Vec2::from(json.numbers::<2>("offset")?.unwrap_or([0.0; 2]));
     let scale = Vec2::from(json.numbers::<2>("scale")?.unwrap_or([1.0; 2]));
     let (sin, cos) = json.number("rotation")?.unwrap_or(0.0).sin_cos();
-    let matrix = Mat2::from_cols(Vec2::new(cos, -sin) * scale.x, Vec2::new(sin, cos) * scale.y);
+    let matrix = Mat2::from_cols(
+        Vec2::new(cos, -sin) * scale.x,
+        Vec2::new(sin, cos) * scale.y,
+    );
     Ok(Affine2::from_mat2_translation(matrix, offset))
 }
 
@@ -144,12 +167,16 @@ fn read_sampler(json: &Json) -> Result<([Wrap; 2], Filter), FileError> {
         None | Some(10497) => Ok(Wrap::Repeat),
         Some(33071) => Ok(Wrap::Clamp),
         Some(33648) => Ok(Wrap::Mirror),
-        Some(other) => Err(json.error_at(key, format!("is {other}; expected 33071, 33648 or 10497"))),
+        Some(other) => {
+            Err(json.error_at(key, format!("is {other}; expected 33071, 33648 or 10497")))
+        }
     };
     let filter = match json.integer("magFilter")? {
         Some(9728) => Filter::Nearest,
         None | Some(9729) => Filter::Bilinear,
-        Some(other) => return Err(json.error_at("magFilter", format!("is {other}; expected 9728 or 9729"))),
+        Some(other) => {
+            return Err(json.error_at("magFilter", format!("is {other}; expected 9728 or 9729")));
+        }
     };
     Ok(([wrap("wrapS")?, wrap("wrapT")?], filter))
 }

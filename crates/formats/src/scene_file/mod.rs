@@ -28,6 +28,9 @@ pub struct LoadOptions {
     /// and through arrays by position or name (`sphere.0.radius`, `sphere.glass.radius`), and the value
     /// in TOML or as bare text.
     pub overrides: Vec<(String, String)>,
+    /// Width and height of the picture to be, for the framing of scenes without a camera; in place of what the file
+    /// says, or of 4:3.
+    pub resolution: Option<[u32; 2]>,
 }
 
 /// A scene, ready to be drawn.
@@ -83,7 +86,8 @@ fn load_toml(
     if scene.instances.is_empty() {
         report.note("nothing in the scene: the picture shows the background");
     }
-    complete_scene(&mut scene, report);
+    let resolution = options.resolution.or(settings.resolution);
+    complete_scene(&mut scene, resolution, report);
     Ok((scene, settings))
 }
 
@@ -93,7 +97,7 @@ fn load_model(path: &Path, options: &LoadOptions, report: &mut Report) -> Result
         return Err(FileError::input(path, Place::File, message));
     }
     let mut scene = import_model(path, report)?;
-    complete_scene(&mut scene, report);
+    complete_scene(&mut scene, options.resolution, report);
     scene.validate().map_err(|error| {
         FileError::input(path, Place::File, format!("{:?}: {error}", error.element))
     })?;
