@@ -36,10 +36,6 @@
 //! ```
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
-#![allow(
-    clippy::neg_cmp_op_on_partial_ord,
-    reason = "`!(x >= 0.0)` is how NaN becomes a miss"
-)]
 
 mod aabb;
 mod bvh;
@@ -71,7 +67,7 @@ pub use offset::{gamma, offset_origin};
 pub use plane::{Plane, intersect_plane};
 pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};
-pub use simd::{LANES, Lanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit};
+pub use simd::{LANES, Lanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit, whole_vectors};
 pub use sphere::{Sphere, intersect_sphere};
 pub use surface::{Surface, intersect_surface};
 pub use torus::{Torus, intersect_torus};

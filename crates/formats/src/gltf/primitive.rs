@@ -196,13 +196,14 @@ fn check_lengths(json: &Json, primitive: &Primitive) -> Result<(), FileError> {
 
 /// Triangles of a list (4), strip (5) or fan (6). Source: Khronos, glTF 2.0, section 3.7.2.1.
 fn assemble(mode: u64, corners: &[u32]) -> Vec<[u32; 3]> {
-    let windows = corners.windows(3).enumerate();
+    let windows = corners.windows(3);
     match mode {
         4 => corners
             .chunks_exact(3)
             .map(|t| [t[0], t[1], t[2]])
             .collect(),
         5 => windows
+            .enumerate()
             .map(|(i, t)| {
                 if i % 2 == 0 {
                     [t[0], t[1], t[2]]
@@ -211,6 +212,6 @@ fn assemble(mode: u64, corners: &[u32]) -> Vec<[u32; 3]> {
                 }
             })
             .collect(),
-        _ => windows.map(|(_, t)| [corners[0], t[1], t[2]]).collect(),
+        _ => windows.map(|t| [corners[0], t[1], t[2]]).collect(),
     }
 }
