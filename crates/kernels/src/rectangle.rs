@@ -41,10 +41,16 @@ impl Rectangle {
     /// `x` and `y` of the point `center + p`, along the normal `u × v`.
     #[inline(always)]
     fn coordinates(&self, p: DVec3) -> (f64, f64) {
+        let (to_x, to_y) = self.axes();
+        (p.dot(to_x), p.dot(to_y))
+    }
+
+    /// The vectors whose dot products with `p` are its coordinates.
+    #[inline(always)]
+    pub(crate) fn axes(&self) -> (DVec3, DVec3) {
         let (u, v) = (self.u.as_dvec3(), self.v.as_dvec3());
         let n = u.cross(v);
-        let n2 = n.dot(n);
-        (p.dot(v.cross(n)) / n2, p.dot(n.cross(u)) / n2)
+        (v.cross(n) / n.dot(n), n.cross(u) / n.dot(n))
     }
 }
 
@@ -53,7 +59,7 @@ impl Rectangle {
 /// With `n = u × v` and `p = o + t·d − center`
 /// ```text
 /// t = (center − o)·n / (d·n)
-/// x = p·(v × n) / n·n      y = p·(n × u) / n·n      hit where |x| ≤ 1 and |y| ≤ 1
+/// x = p·(v × n)/(n·n)      y = p·(n × u)/(n·n)      hit where |x| ≤ 1 and |y| ≤ 1
 /// ```
 /// The edges belong to the rectangle. A ray parallel to it misses, also when it lies in its plane.
 /// `u` and `v` at another than the right angle give a parallelogram. Computed in f64.

@@ -4,7 +4,9 @@ use crate::{
     Light, LightSample, SurfaceInteraction, shade_block::SeenLanes, surface_lanes::SurfaceLanes,
 };
 use std::f32::consts::FRAC_1_PI;
-use umbriel_kernels::{Interval, LANES, Lanes, Ray, Vec3Lanes, glam::Vec3, offset_origin};
+use umbriel_kernels::{
+    Interval, LANES, Lanes, Ray, Vec3Lanes, glam::Vec3, offset_origin, whole_vectors,
+};
 
 /// The second question of every picture: how much of this light reaches this point?
 ///
@@ -124,7 +126,7 @@ impl DirectLight {
         weights: &Vec3Lanes,
         light: impl Fn(Vec3) -> Option<LightSample>,
     ) {
-        for i in 0..surfaces.len.min(LANES) {
+        for i in 0..whole_vectors(surfaces.len) {
             let surface = surfaces.get(i);
             let sample = light(surface.p);
             let arriving = sample.unwrap_or(LightSample::DARK);

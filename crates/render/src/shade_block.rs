@@ -1,14 +1,14 @@
 //! Shading of a block of hits of one instance: local light, and the rays that go on.
 
 use crate::{
-    MaterialId, Method, Scene, SceneBvh, Settings,
+    Bsdf, MaterialId, Method, Scene, SceneBvh, Settings,
     hit_groups::NumberedHit,
     ray_cast,
     surface_lanes::SurfaceLanes,
     trace::{Queue, RayState},
     whitted::{self, OnwardLanes},
 };
-use umbriel_kernels::{LANES, Ray, Vec3Lanes, glam::Vec3, offset_origin};
+use umbriel_kernels::{LANES, Ray, Vec3Lanes, glam::Vec3, offset_origin, whole_vectors};
 
 /// How many surfaces with alpha one ray may pass; what lies behind more is not seen.
 const MAX_PASSES: u16 = 256;
@@ -70,6 +70,9 @@ impl ShadeBlock {
             self.seen.weight.set(lane, weight);
             self.seen.sample[lane] = state.sample;
         }
+        for lane in members.len()..whole_vectors(members.len()) {
+            self.seen.weight.set(lane, Vec3::ZERO);
+        }
     }
 
     /// Pushes what is left of the rays behind partly transparent surfaces, and takes it off their weights.
@@ -103,15 +106,21 @@ impl ShadeBlock {
         radiance: &mut [Vec3],
     ) -> bool {
         let unlit = self.surfaces.is_unlit();
+        let glows = |bsdf: &Bsdf| bsdf.emission != Vec3::ZERO;
+        let mut shines = unlit || self.surfaces.uniform.as_ref().is_none_or(glows);
         if !unlit {
-            match settings.method {
+            shines |= match settings.method {
                 Method::RayCast => {
                     ray_cast::shade(&scene.environment, &mut self.surfaces, &mut self.ambient);
+                    true
                 }
                 Method::Whitted => {
-                    whitted::ambient(&scene.environment, &self.surfaces, &mut self.ambient);
+                    whitted::ambient(&scene.environment, &self.surfaces, &mut self.ambient)
                 }
-            }
+            };
+        }
+        if !shines {
+            return true;
         }
         for lane in 0..self.surfaces.len {
             let bsdf = self.surfaces.get(lane).bsdf;
@@ -150,12 +159,16 @@ impl ShadeBlock {
             mirrored,
             refracted,
         );
-        for (lane, state) in states().enumerate().take(LANES) {
+        let on_their_way = |onward: &OnwardLanes| {
+            let lanes = if onward.any() { LANES } else { 0 };
+            states().enumerate().take(lanes)
+        };
+        for (lane, state) in on_their_way(&self.mirrored) {
             if may_go_on(state) && self.mirrored.has_weight(lane, least) {
                 next.push(self.mirrored.ray(lane), self.mirrored.state(lane, state));
             }
         }
-        for (lane, state) in states().enumerate().take(LANES) {
+        for (lane, state) in on_their_way(&self.refracted) {
             if may_go_on(state) && self.refracted.has_weight(lane, least) {
                 let medium = self.surfaces.medium_behind(lane, material, state.medium);
                 let state = RayState {

@@ -7,6 +7,7 @@ use crate::{
 use umbriel_kernels::{
     Hit, LANES, Lanes, PointLanes, Ray, Surface, Vec3Lanes,
     glam::{Vec2, Vec3, Vec4},
+    whole_vectors,
 };
 
 /// One [`SurfaceInteraction`] a lane, all of one instance.
@@ -207,7 +208,7 @@ impl SurfaceLanes {
     #[inline(always)]
     fn orient(&mut self, inside_out: bool) {
         let outwards = if inside_out { -1.0 } else { 1.0 };
-        for i in 0..self.len.min(LANES) {
+        for i in 0..whole_vectors(self.len) {
             let (p, n) = (self.points.p.get(i), outwards * self.points.n.get(i));
             let side = side_of(self.wo.get(i), n);
             self.side[i] = side;
@@ -267,7 +268,7 @@ pub(crate) fn for_lanes(
     values: &mut Vec3Lanes,
     value: impl Fn(usize, &SurfaceInteraction) -> Vec3,
 ) {
-    for i in 0..surfaces.len.min(LANES) {
+    for i in 0..whole_vectors(surfaces.len) {
         values.set(i, value(i, &surfaces.get(i)));
     }
 }

@@ -9,7 +9,7 @@ use crate::{
     surface_lanes::{SurfaceLanes, for_lanes},
     trace::RayState,
 };
-use umbriel_kernels::{LANES, Ray, Vec3Lanes, glam::Vec3, offset_origin};
+use umbriel_kernels::{Ray, Vec3Lanes, glam::Vec3, offset_origin, whole_vectors};
 
 /// The share of the specular lobe that one mirrored ray stands for, in `[0, 1]`.
 ///
@@ -21,15 +21,19 @@ fn mirror_share(roughness: f32) -> f32 {
     1.0 - x * x * (3.0 - 2.0 * x)
 }
 
-/// Whitted's ambient term, for what no ray is sent after.
+/// Whitted's ambient term, for what no ray is sent after; false where there is none.
 #[inline(always)]
-pub(crate) fn ambient(environment: &Environment, surfaces: &SurfaceLanes, ambient: &mut Vec3Lanes) {
+pub(crate) fn ambient(
+    environment: &Environment,
+    surfaces: &SurfaceLanes,
+    ambient: &mut Vec3Lanes,
+) -> bool {
     if let Some(bsdf) = surfaces.uniform
         && bsdf.diffuse_color() == Vec3::ZERO
         && mirror_share(bsdf.roughness) == 1.0
     {
-        *ambient = Vec3Lanes::splat(Vec3::ZERO);
-        return;
+        *ambient = Vec3Lanes::default();
+        return false;
     }
     for_lanes(
         surfaces,
@@ -40,11 +44,13 @@ pub(crate) fn ambient(environment: &Environment, surfaces: &SurfaceLanes, ambien
             ambient_reflection(environment, surface, 1.0 - share)
         },
     );
+    true
 }
 
 /// Rays that go on from a block of surfaces.
 #[derive(Debug, Default)]
 pub(crate) struct OnwardLanes {
+    any: bool,
     pub(crate) weight: Vec3Lanes,
     origin: Vec3Lanes,
     dir: Vec3Lanes,
@@ -66,6 +72,12 @@ impl OnwardLanes {
         }
     }
 
+    /// Whether any lane has enough weight to go on.
+    #[inline(always)]
+    pub(crate) fn any(&self) -> bool {
+        self.any
+    }
+
     #[inline(always)]
     pub(crate) fn has_weight(&self, i: usize, least: f32) -> bool {
         self.weight.get(i).max_element() >= least
@@ -80,13 +92,14 @@ impl OnwardLanes {
         direction: impl Fn(&SurfaceInteraction) -> Option<Vec3>,
     ) {
         let mut any = false;
-        for i in 0..surfaces.len.min(LANES) {
+        for i in 0..whole_vectors(surfaces.len) {
             any |= self.has_weight(i, least);
         }
+        self.any = any;
         if !any {
             return;
         }
-        for i in 0..surfaces.len.min(LANES) {
+        for i in 0..whole_vectors(surfaces.len) {
             let surface = surfaces.get(i);
             let found = direction(&surface);
             let dir = found.unwrap_or(surface.wo);
@@ -114,7 +127,7 @@ pub(crate) fn spawn(
     mirrored: &mut OnwardLanes,
     refracted: &mut OnwardLanes,
 ) {
-    for i in 0..surfaces.len.min(LANES) {
+    for i in 0..whole_vectors(surfaces.len) {
         let surface = surfaces.get(i);
         let (reflected, transmitted) = surface.bsdf.split(surface.ns.dot(surface.wo));
         let share = mirror_share(surface.bsdf.roughness);

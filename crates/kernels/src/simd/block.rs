@@ -121,16 +121,15 @@ pub(super) fn intersect_rectangle_block(rays: &RayBlock, rectangle: &Rectangle, 
     let center = rectangle.center.as_dvec3();
     let (u, v) = (rectangle.u.as_dvec3(), rectangle.v.as_dvec3());
     let n = u.cross(v);
-    let n2 = n.dot(n);
-    let (to_x, to_y) = (v.cross(n), n.cross(u));
+    let (to_x, to_y) = rectangle.axes();
     for (i, t) in t.iter_mut().enumerate() {
         let (o, d) = rays.lane(i);
         let f = o - center;
         let denominator = d.dot(n);
         let along = -f.dot(n) / denominator;
         let p = f + along * d;
-        let x = p.dot(to_x) / n2;
-        let y = p.dot(to_y) / n2;
+        let x = p.dot(to_x);
+        let y = p.dot(to_y);
         let hit = (denominator != 0.0)
             & (denominator.abs() < f64::INFINITY)
             & (x.abs() <= 1.0)

@@ -7,6 +7,14 @@ use glam::{Vec2, Vec3};
 /// Lanes in a block.
 pub const LANES: usize = 64;
 
+/// How many lanes a loop does for `len` lanes in use: a whole number of vectors, so that nothing is left over for a
+/// slow loop at the end. What it computes in the other lanes, from what was there before, is of no use and no harm.
+#[inline(always)]
+pub const fn whole_vectors(len: usize) -> usize {
+    let lanes = len.next_multiple_of(32);
+    if lanes < LANES { lanes } else { LANES }
+}
+
 /// One number a lane.
 pub type Lanes = [f32; LANES];
 
@@ -116,7 +124,7 @@ impl PointLanes {
     pub fn settle(&mut self, len: usize, surface: &Surface, with_uv: bool) {
         match surface {
             Surface::Sphere(s) if !with_uv => self.settle_each(
-                len,
+                whole_vectors(len),
                 #[inline(always)]
                 |_, p| {
                     let (p, n) = s.normal_at(p);
@@ -124,12 +132,12 @@ impl PointLanes {
                 },
             ),
             Surface::Plane(s) => self.settle_each(
-                len,
+                whole_vectors(len),
                 #[inline(always)]
                 |_, p| parts_of(s.point_at(p)),
             ),
             Surface::Rectangle(s) => self.settle_each(
-                len,
+                whole_vectors(len),
                 #[inline(always)]
                 |_, p| parts_of(s.point_at(p)),
             ),

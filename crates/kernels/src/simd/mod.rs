@@ -8,5 +8,5 @@ mod block;
 mod lanes;
 mod surface_list;
 
-pub use lanes::{LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit};
+pub use lanes::{LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit, whole_vectors};
 pub use surface_list::SurfaceList;
