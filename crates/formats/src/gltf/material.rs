@@ -86,8 +86,12 @@ fn read_extensions(
         material.emission *= strength.number("emissiveStrength")?.unwrap_or(1.0).max(0.0);
     }
     if let Some(ior) = json.extension("KHR_materials_ior")? {
-        // 0 stands for full reflection at all angles, a special case for old files.
-        material.ior = ior.number("ior")?.unwrap_or(1.5).max(1.0);
+        let value = ior.number("ior")?.unwrap_or(1.5);
+        // 0 stands for full reflection at all angles, a special case for files of an older workflow.
+        if value < 1.0 {
+            report.ignore("ior below 1");
+        }
+        material.ior = if value < 1.0 { 1.5 } else { value };
     }
     if let Some(glass) = json.extension("KHR_materials_transmission")? {
         material.transmission = glass
@@ -133,6 +137,10 @@ fn read_glossiness(
     let Some(old) = json.extension("KHR_materials_pbrSpecularGlossiness")? else {
         return Ok(());
     };
+    // What the author gives for those who do not know the older workflow is better than our guess.
+    if json.has("pbrMetallicRoughness") {
+        return Ok(());
+    }
     let [r, g, b, a] = old.numbers("diffuseFactor")?.unwrap_or([1.0; 4]);
     material.base_color = unit(Vec3::new(r, g, b));
     material.alpha = a.clamp(0.0, 1.0);
