@@ -29,21 +29,7 @@ pub fn encode_exr(image: &Image, layers: &[Layer], info: &ExrInfo) -> Vec<u8> {
         .window
         .unwrap_or([0, 0, image.width as u32, image.height as u32])
         .map(|v| v as usize);
-    let cut = |value: &dyn Fn(usize) -> f32| {
-        let rows = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * image.width + x));
-        FlatSamples::F32(rows.map(value).collect())
-    };
-    let beauty = ["R", "G", "B", "A"]
-        .iter()
-        .enumerate()
-        .map(|(c, name)| AnyChannel::new(*name, cut(&|i| image.pixels[i][c])));
-    let others = layers.iter().flat_map(|layer| {
-        let names = layer.aov.channels().iter();
-        names
-            .zip(&layer.channels)
-            .map(|(name, data)| AnyChannel::new(*name, cut(&|i| data[i])))
-    });
-    let channels = AnyChannels::sort(beauty.chain(others).collect());
+    let channels = channels(image, layers, [x0, y0, x1, y1]);
 
     // Only attributes with a field of their own: the crate keeps free ones in a hash map, whose order
     // differs from run to run.
@@ -72,6 +58,29 @@ pub fn encode_exr(image: &Image, layers: &[Layer], info: &ExrInfo) -> Vec<u8> {
         .to_buffered(&mut bytes)
         .expect("writing to memory does not fail, and the sizes agree");
     bytes.into_inner()
+}
+
+/// The pixels of a window of the picture and its layers, by the names of their channels.
+fn channels(
+    image: &Image,
+    layers: &[Layer],
+    [x0, y0, x1, y1]: [usize; 4],
+) -> AnyChannels<FlatSamples> {
+    let cut = |value: &dyn Fn(usize) -> f32| {
+        let rows = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * image.width + x));
+        FlatSamples::F32(rows.map(value).collect())
+    };
+    let beauty = ["R", "G", "B", "A"]
+        .iter()
+        .enumerate()
+        .map(|(c, name)| AnyChannel::new(*name, cut(&|i| image.pixels[i][c])));
+    let others = layers.iter().flat_map(|layer| {
+        let names = layer.aov.channels().iter();
+        names
+            .zip(&layer.channels)
+            .map(|(name, data)| AnyChannel::new(*name, cut(&|i| data[i])))
+    });
+    AnyChannels::sort(beauty.chain(others).collect())
 }
 
 /// EXR names no encoding for its texts, and readers disagree: only ASCII means the same to all.

@@ -66,27 +66,37 @@ fn scene_of_mesh(path: &Path, mut mesh: Mesh) -> Scene {
     }
 }
 
+/// Greatest coordinate of a vertex: fourth powers of it, as in squared areas, are still numbers in f32.
+const MAX_COORDINATE: f32 = 1e9;
+
 /// Makes a mesh what the renderer takes for granted, and counts what was dropped: triangles without area
 /// or with a corner that is not finite go, normals get unit length, and numbers that are not finite become
 /// neutral ones.
 fn clean_mesh(mesh: &mut Mesh, report: &mut Report) {
     let positions = &mesh.positions;
-    let (mut degenerate, mut broken) = (0, 0);
+    let (mut degenerate, mut broken, mut far) = (0, 0, 0);
     mesh.indices.retain(|triangle| {
         let [a, b, c] = triangle.map(|i| positions[i as usize]);
         let finite = a.is_finite() && b.is_finite() && c.is_finite();
         // In f64, so that small triangles far from the origin and huge ones are judged exactly.
         let area = (b.as_dvec3() - a.as_dvec3()).cross(c.as_dvec3() - a.as_dvec3());
-        let keep = finite && area.length_squared() > 0.0;
+        let flat = area.length_squared() == 0.0;
+        let near = a.abs().max(b.abs()).max(c.abs()).max_element() <= MAX_COORDINATE;
         broken += usize::from(!finite);
-        degenerate += usize::from(finite && !keep);
-        keep
+        far += usize::from(finite && !near);
+        degenerate += usize::from(finite && near && flat);
+        finite && near && !flat
     });
+    report.ignore_n("triangle with a vertex farther than 1e9", far);
     report.ignore_n("degenerate triangle", degenerate);
     report.ignore_n("triangle with a non-finite vertex", broken);
 
     clean_normals(mesh);
-    for p in mesh.positions.iter_mut().filter(|p| !p.is_finite()) {
+    for p in mesh
+        .positions
+        .iter_mut()
+        .filter(|p| !p.is_finite() || p.abs().max_element() > MAX_COORDINATE)
+    {
         *p = Vec3::ZERO;
     }
     for uv in mesh.uvs.iter_mut().flatten().filter(|uv| !uv.is_finite()) {

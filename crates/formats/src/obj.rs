@@ -100,7 +100,7 @@ impl Reader {
             b"f" | b"fo" => self.face(text, first, words)?,
             b"o" | b"g" => self.name = rest_of_line(text, start, end),
             b"usemtl" => self.use_material(&rest_of_line(text, start, end), report),
-            b"mtllib" => self.library(text, &rest_of_line(text, start, end), start, report)?,
+            b"mtllib" => self.library(text, &rest_of_line(text, start, end), report)?,
             // Smoothing groups tell programs without normals how to make some.
             b"s" => {}
             b"p" | b"l" => report.ignore("points or lines"),
@@ -208,13 +208,7 @@ impl Reader {
     }
 
     /// `mtllib NAME`: one name with spaces if there is such a file, several names otherwise.
-    fn library(
-        &mut self,
-        text: &Text,
-        names: &str,
-        at: usize,
-        report: &mut Report,
-    ) -> Result<(), FileError> {
+    fn library(&mut self, text: &Text, names: &str, report: &mut Report) -> Result<(), FileError> {
         let whole = folder::resolve(text.path, names, NameSyntax::Plain);
         let each: Vec<&str> = if whole.is_ok() {
             vec![names]
@@ -232,7 +226,7 @@ impl Reader {
                     "missing material library {}",
                     folder::shorten(name)
                 )),
-                Err(NameError::Forbidden(why)) => return Err(text.error(at + 1, why)),
+                Err(NameError::Forbidden(why)) => report.ignore(format!("material library {why}")),
             }
         }
         Ok(())
@@ -295,12 +289,15 @@ fn get<'v, T>(
 ) -> Result<Option<&'v T>, FileError> {
     let Some(index) = index else { return Ok(None) };
     let found = list.get(index as usize);
-    let message = || {
-        format!(
-            "{what} {} does not exist; expected 1 to {}",
-            u64::from(index) + 1,
-            list.len()
-        )
+    let message = || match list.len() {
+        0 => format!(
+            "{what} {} does not exist; the file has none",
+            u64::from(index) + 1
+        ),
+        n => format!(
+            "{what} {} does not exist; expected 1 to {n}",
+            u64::from(index) + 1
+        ),
     };
     found.map(Some).ok_or_else(|| text.error(at, message()))
 }

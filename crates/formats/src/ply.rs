@@ -180,8 +180,7 @@ impl Faces {
                     let value = source.next(property.kind)?;
                     if is_corners(property) {
                         if !(0.0..=f64::from(u32::MAX)).contains(&value) || value.fract() != 0.0 {
-                            return Err(source
-                                .error(&format!("vertex {value} of face {face} does not exist")));
+                            return Err(source.error(&format!("vertex {value} of face {face} does not exist; expected a whole number, at least 0")));
                         }
                         self.corners.push(value as u32);
                     }
@@ -247,6 +246,12 @@ impl<'a> Source<'a> {
 
     /// Refuses an element that cannot fit into the rest of the file, before memory is taken for it.
     fn check_room(&self, element: &Element) -> Result<(), FileError> {
+        if element.properties.is_empty() && element.count > 0 {
+            return Err(self.error(&format!(
+                "the elements `{}` have no properties",
+                element.name
+            )));
+        }
         let least = |p: &Property| match self {
             // A digit and a space; an empty list still has its length.
             Self::Text(..) => 2,
@@ -259,10 +264,7 @@ impl<'a> Source<'a> {
             Self::Binary { bytes, at, .. } => (bytes.len() - at) as u64,
         };
         let need = u128::from(each) * u128::from(element.count);
-        if need > u128::from(left)
-            || element.count > u64::from(u32::MAX)
-            || (each == 0 && element.count > 0)
-        {
+        if need > u128::from(left) || element.count > u64::from(u32::MAX) {
             let message = format!(
                 "{} elements `{}` need at least {need} bytes; the file has {left} left",
                 element.count, element.name

@@ -136,6 +136,10 @@ pub(crate) fn read_header(path: &Path, bytes: &[u8]) -> Result<Header, FileError
         if number == 0 && first.bytes != b"ply" {
             break;
         }
+        if end == MAX_HEADER {
+            // This line goes on where nothing is looked at.
+            break;
+        }
         match first.bytes {
             b"end_header" => {
                 let form = form.ok_or_else(|| {

@@ -17,6 +17,9 @@ pub enum PictureKind {
 
 /// Greatest number of pixels of a picture that is read: 4 GiB of numbers.
 const MAX_PIXELS: u64 = 1 << 28;
+/// Most bytes of pixels for each byte of an EXR file. Deflate reaches 1032 for pictures of one colour; a header that
+/// claims more would only take memory.
+const MAX_RATIO: u64 = 4096;
 /// Most bytes that the PNG decoder may take: 16 bits for four channels of all pixels.
 const MAX_DECODED: u64 = 8 * MAX_PIXELS;
 
@@ -65,6 +68,14 @@ fn read_exr(path: &Path, bytes: &[u8]) -> Result<Image, FileError> {
         let window = header.shared_attributes.display_window.size;
         for size in [header.layer_size, window] {
             check_size(path, size.width() as u64, size.height() as u64)?;
+        }
+        let unpacked = header.layer_size.area() as u64 * header.channels.bytes_per_pixel as u64;
+        if unpacked > MAX_RATIO * bytes.len() as u64 {
+            let message = format!(
+                "bad EXR: {unpacked} bytes of pixels in a file of {}; expected a whole file",
+                bytes.len()
+            );
+            return Err(FileError::input(path, Place::File, message));
         }
     }
     let file = read()

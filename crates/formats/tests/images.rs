@@ -277,3 +277,17 @@ fn exr_takes_any_comment() {
     let has = |text: &str| file.windows(text.len()).any(|w| w == text.as_bytes());
     assert!(has(r"scene=\u{65e5}\u{672c} \u{e9}\n.toml") && has(r"\u{1f600}"));
 }
+
+/// A header that claims more pixels than deflate can pack into the file.
+#[test]
+fn a_small_exr_does_not_take_much_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("wide.exr");
+    let mut file = encode_exr(&gradient(4, 4), &[], &ExrInfo::default());
+    let name = b"dataWindow\0box2i\0";
+    let at = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
+    file[at + 8..at + 12].copy_from_slice(&8_000_000_i32.to_le_bytes());
+    fs::write(&path, file).unwrap();
+    let error = read_image(&path).unwrap_err();
+    assert!(error.message.contains("expected a whole file"), "{error}");
+}

@@ -5,7 +5,7 @@ use crate::{
     errors::{Exit, Failure},
     run::print_line,
 };
-use serde_json::json;
+use serde_json::{Value, json};
 use umbriel_formats::{
     PictureKind, check_output, encode_png, read_image,
     render::{Comparison, Image, compare, difference_picture},
@@ -14,19 +14,7 @@ use umbriel_formats::{
 
 /// Compares two pictures.
 pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
-    if let Some(output) = &args.output {
-        if !output
-            .extension()
-            .is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
-        {
-            let message = format!(
-                "{}: unknown kind of picture; expected .png for the differences",
-                output.display()
-            );
-            return Err(Failure::usage(message));
-        }
-        check_output(output, &[&args.a, &args.b])?;
-    }
+    check_picture(args)?;
     let (a, b) = read_pair(args)?;
     let Some(comparison) = compare(&a, &b, args.tolerance) else {
         let message = format!(
@@ -59,6 +47,24 @@ pub(crate) fn run(args: &DiffArgs) -> Result<(), Failure> {
     }
 }
 
+/// Refuses a difference picture that cannot be written, before any work.
+fn check_picture(args: &DiffArgs) -> Result<(), Failure> {
+    if let Some(output) = &args.output {
+        if !output
+            .extension()
+            .is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+        {
+            let message = format!(
+                "{}: unknown kind of picture; expected .png for the differences",
+                output.display()
+            );
+            return Err(Failure::usage(message));
+        }
+        check_output(output, &[&args.a, &args.b])?;
+    }
+    Ok(())
+}
+
 fn read_pair(args: &DiffArgs) -> Result<(Image, Image), Failure> {
     let name = |kind| match kind {
         PictureKind::Display => "PNG",
@@ -84,18 +90,7 @@ fn print_comparison(
     within: bool,
 ) -> Result<(), Failure> {
     if args.json {
-        // JSON has no infinity: the PSNR of equal pictures and the difference to NaN are null.
-        let object = json!({
-            "rmse": c.rmse,
-            "psnr": c.psnr,
-            "ssim": c.ssim,
-            "differing": c.differing,
-            "pixels": pixels,
-            "largest": c.largest,
-            "largest_at": c.largest_at,
-            "within": within,
-        });
-        return print_line(&object.to_string());
+        return print_line(&comparison_json(c, pixels, within).to_string());
     }
     let largest = match c.largest_at {
         Some([x, y]) => format!("{} at pixel {x},{y}", c.largest),
@@ -118,4 +113,18 @@ fn print_comparison(
         format!("largest    {largest}"),
     ];
     print_line(&lines.join("\n"))
+}
+
+/// JSON has no infinity: the PSNR of equal pictures and the difference to NaN are null.
+fn comparison_json(c: &Comparison, pixels: usize, within: bool) -> Value {
+    json!({
+        "rmse": c.rmse,
+        "psnr": c.psnr,
+        "ssim": c.ssim,
+        "differing": c.differing,
+        "pixels": pixels,
+        "largest": c.largest,
+        "largest_at": c.largest_at,
+        "within": within,
+    })
 }

@@ -201,17 +201,21 @@ fn contents_lines(scene: &Scene, contents: &Contents) -> Vec<String> {
             names(camera_names(&scene.cameras))
         ),
     ];
+    lines.push(bounds_line(contents));
+    lines.push(format!("memory     {}", memory(contents.memory as f64)));
+    lines
+}
+
+fn bounds_line(contents: &Contents) -> String {
     let infinite = if contents.infinite {
         ", and an infinite plane"
     } else {
         ""
     };
-    lines.push(match contents.bounds {
+    match contents.bounds {
         Some(Aabb { min, max }) => format!("bounds     {min} to {max}{infinite}"),
         None => format!("bounds     nothing finite{infinite}"),
-    });
-    lines.push(format!("memory     {}", memory(contents.memory as f64)));
-    lines
+    }
 }
 
 fn camera_names(cameras: &[Camera]) -> Vec<&str> {

@@ -1,6 +1,6 @@
 //! Ctrl-C: the first saves what is done, the second ends at once.
 
-use crate::errors::Exit;
+use crate::{errors::Exit, say::say};
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 
 /// Set by the first Ctrl-C during a render, or by SIGTERM.
@@ -37,6 +37,7 @@ pub(crate) fn install() {
         let first = !STOP.swap(true, Ordering::SeqCst);
         let saving = phase == Phase::Writing as u8 || (first && phase == Phase::Rendering as u8);
         if !saving {
+            say("error: interrupted; nothing was written");
             std::process::exit(Exit::Interrupted as i32);
         }
     });

@@ -87,9 +87,26 @@ pub(crate) fn make_plan(
     scene: &SceneSettings,
     default: Exposure,
 ) -> Result<Plan, Failure> {
+    let own = scene.resolution.unwrap_or(Settings::default().resolution);
+    let size = resolution(args.resolution, own)?;
+    check_crop(args.crop, size)?;
+    Ok(Plan {
+        settings: settings(args, scene, size),
+        exposure: args
+            .exposure
+            .or(scene.exposure.map(Exposure::Stops))
+            .unwrap_or(default),
+        tonemap: args
+            .tonemap
+            .map(Into::into)
+            .or(scene.tonemap)
+            .unwrap_or_default(),
+    })
+}
+
+fn settings(args: &RenderArgs, scene: &SceneSettings, size: [u32; 2]) -> Settings {
     let base = Settings::default();
-    let size = resolution(args.resolution, scene.resolution.unwrap_or(base.resolution))?;
-    let settings = Settings {
+    Settings {
         method: args
             .method
             .map(Into::into)
@@ -107,28 +124,17 @@ pub(crate) fn make_plan(
             .unwrap_or(base.glass_shadows),
         seed: args.seed.or(scene.seed).unwrap_or(base.seed),
         ..base
-    };
-    if let Some(crop) = args.crop
-        && (crop[2] > size[0] || crop[3] > size[1])
-    {
-        let message = format!(
-            "--crop reaches outside the picture of {}x{} pixels",
-            size[0], size[1]
-        );
-        return Err(Failure::usage(message));
     }
-    Ok(Plan {
-        settings,
-        exposure: args
-            .exposure
-            .or(scene.exposure.map(Exposure::Stops))
-            .unwrap_or(default),
-        tonemap: args
-            .tonemap
-            .map(Into::into)
-            .or(scene.tonemap)
-            .unwrap_or_default(),
-    })
+}
+
+fn check_crop(crop: Option<[u32; 4]>, [width, height]: [u32; 2]) -> Result<(), Failure> {
+    match crop {
+        Some([_, _, x1, y1]) if x1 > width || y1 > height => {
+            let message = format!("--crop reaches outside the picture of {width}x{height} pixels");
+            Err(Failure::usage(message))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn sampling(args: &RenderArgs, scene: &SceneSettings) -> Option<Sampling> {

@@ -115,13 +115,6 @@ impl Summary<'_> {
 
     /// Writes the summary for people.
     pub(crate) fn print(&self) {
-        let Phases {
-            load,
-            build,
-            render,
-            write,
-            total,
-        } = self.phases;
         if self.args.verbose {
             let (threads, bvh) = (self.threads, memory(self.bvh_memory as f64));
             say(&format!(
@@ -141,27 +134,40 @@ impl Summary<'_> {
                 self.exposure
             ));
         }
-        let [load, build, render_time, write, total] =
-            [load, build, render, write, total].map(seconds);
+        let [load, build, render, write, _] = self.times();
         say(&format!(
-            "load {load}, build {build}, render {render_time}, write {write}"
+            "load {load}, build {build}, render {render}, write {write}"
         ));
+        say(&self.last_line());
+    }
+
+    /// The phases for people, and all of them together.
+    fn times(&self) -> [String; 5] {
+        let Phases {
+            load,
+            build,
+            render,
+            write,
+            total,
+        } = self.phases;
+        [load, build, render, write, total].map(seconds)
+    }
+
+    /// What was saved, how large, how and how fast.
+    fn last_line(&self) -> String {
         let settings = &self.plan.settings;
         let [width, height] = settings.resolution;
-        let what = format!(
-            "{width}x{height} {} {}",
+        let (method, sampling) = (
             method_name(settings.method),
-            sampling_name(settings.sampling)
+            sampling_name(settings.sampling),
         );
-        let rate = self.rays() as f64 / render.max(1e-9) / 1e6;
+        let rate = self.rays() as f64 / self.phases.render.max(1e-9) / 1e6;
         let saved = match self.unfinished() {
             0 => "saved".to_owned(),
             n => format!("interrupted, {n} pixels are empty: saved"),
         };
-        say(&format!(
-            "{saved} {} {what} {total} {rate:.1} Mrays/s",
-            self.output()
-        ));
+        let (output, [.., total]) = (self.output(), self.times());
+        format!("{saved} {output} {width}x{height} {method} {sampling} {total} {rate:.1} Mrays/s")
     }
 
     /// The summary for programs.

@@ -44,6 +44,8 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             Err(failure) if matches!(failure.exit, Exit::Usage | Exit::Interrupted) => {
                 return Err(failure);
             }
+            // The scene's folder does not exist: nothing would ever change.
+            Err(failure) if folders.is_empty() => return Err(failure),
             Err(failure) => report(args, &failure),
             Ok(()) => {}
         }

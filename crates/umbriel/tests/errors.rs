@@ -252,3 +252,13 @@ fn missing_arguments_are_named_in_json() {
     let message = error["message"].as_str().unwrap();
     assert!(message.contains("--output"), "{message}");
 }
+
+/// Where there is no folder, nothing will ever change.
+#[test]
+fn watching_a_missing_folder_ends() {
+    Folder::new().fails(
+        "render none/scene.toml -o a.png --watch",
+        4,
+        &["none/scene.toml"],
+    );
+}
