@@ -16,10 +16,10 @@ pub(crate) struct HitGroups {
     places: Vec<u32>,
 }
 
-/// Neighbouring rays that hit the same instance, or nothing.
+/// Neighbouring rays that hit the same instance.
 #[derive(Debug)]
 struct Run {
-    instance: Option<u32>,
+    instance: u32,
     start: usize,
     end: usize,
 }
@@ -29,25 +29,11 @@ impl HitGroups {
     pub(crate) fn sort(&mut self, hits: &[Option<Hit>], instances: usize) {
         self.groups.clear();
         self.places.resize(instances, 0);
-        self.runs.clear();
-        for (i, hit) in hits.iter().enumerate() {
-            let instance = hit.as_ref().map(|hit| hit.instance);
-            match self.runs.last_mut() {
-                Some(run) if run.instance == instance => run.end = i + 1,
-                _ => self.runs.push(Run {
-                    instance,
-                    start: i,
-                    end: i + 1,
-                }),
-            }
-        }
+        self.find_runs(hits);
         for run in &self.runs {
-            let Some(instance) = run.instance else {
-                continue;
-            };
-            let count = &mut self.places[instance as usize];
+            let count = &mut self.places[run.instance as usize];
             if *count == 0 {
-                self.groups.push((instance, 0));
+                self.groups.push((run.instance, 0));
             }
             *count += (run.end - run.start) as u32;
         }
@@ -62,25 +48,33 @@ impl HitGroups {
         }
         self.members.resize(end, (0, NO_HIT));
         for run in &self.runs {
-            let Some(instance) = run.instance else {
-                continue;
-            };
-            let place = &mut self.places[instance as usize];
-            let start = *place as usize;
+            let place = &mut self.places[run.instance as usize];
+            let members = &mut self.members[*place as usize..];
             *place += (run.end - run.start) as u32;
-            let members = &mut self.members[start..*place as usize];
-            for (i, (member, hit)) in members
-                .iter_mut()
-                .zip(&hits[run.start..run.end])
-                .enumerate()
-            {
-                if let Some(hit) = hit {
-                    *member = ((run.start + i) as u32, *hit);
-                }
+            let hits = hits[run.start..run.end].iter().flatten();
+            for ((member, hit), number) in members.iter_mut().zip(hits).zip(run.start as u32..) {
+                *member = (number, *hit);
             }
         }
         for (instance, _) in &self.groups {
             self.places[*instance as usize] = 0;
+        }
+    }
+
+    fn find_runs(&mut self, hits: &[Option<Hit>]) {
+        self.runs.clear();
+        let instance = |hit: &Option<Hit>| hit.as_ref().map(|hit| hit.instance);
+        let mut start = 0;
+        for run in hits.chunk_by(|a, b| instance(a) == instance(b)) {
+            let end = start + run.len();
+            if let Some(instance) = instance(&run[0]) {
+                self.runs.push(Run {
+                    instance,
+                    start,
+                    end,
+                });
+            }
+            start = end;
         }
     }
 

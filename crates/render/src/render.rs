@@ -5,7 +5,10 @@ use crate::{
     sampler::sample_pixel, trace::Tracer,
 };
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{
+    Mutex, MutexGuard, PoisonError,
+    atomic::{AtomicBool, AtomicU64, Ordering},
+};
 use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// Height of a tile and width of a tile in pixels. Small enough that a batch stays in the cache,
@@ -51,57 +54,88 @@ impl Tile {
 pub fn render(bvh: &SceneBvh, camera: &Camera, settings: &Settings, control: &Control) -> Film {
     let [width, height] = settings.resolution;
     let [x0, y0, x1, y1] = settings.crop.unwrap_or([0, 0, width, height]);
-    let total = u64::from(x1 - x0) * u64::from(y1 - y0);
     let mut image = Image {
         width: width as usize,
         height: height as usize,
         pixels: vec![[0.0; 4]; width as usize * height as usize],
     };
-    let frame = camera.frame(settings.resolution);
-    let done = AtomicU64::new(0);
+    let job = Job {
+        frame: camera.frame(settings.resolution),
+        settings,
+        control,
+        crop: [x0, y0, x1, y1],
+        done: AtomicU64::new(0),
+        total: u64::from(x1 - x0) * u64::from(y1 - y0),
+    };
+    // Tracers that no thread uses now; their buffers are kept from band to band.
+    let idle: Mutex<Vec<Tracer>> = Mutex::new(Vec::new());
     // A band is a row of tiles; each belongs to one thread, so no two threads write near each other.
     let crop_rows = y0 as usize * width as usize..y1 as usize * width as usize;
     let stats = image.pixels[crop_rows]
         .par_chunks_mut((TILE[1] * width) as usize)
         .enumerate()
-        .map_init(
-            || Tracer::new(bvh, settings),
-            |tracer, (number, band)| {
-                let before = counters(tracer);
-                let top = y0 + number as u32 * TILE[1];
-                let mut pixels = 0;
-                for left in (x0..x1).step_by(TILE[0] as usize) {
-                    if control.stop.load(Ordering::Relaxed) {
-                        break;
-                    }
-                    let tile = Tile {
-                        x0: left,
-                        y0: top,
-                        x1: (left + TILE[0]).min(x1),
-                        y1: (top + TILE[1]).min(y1),
-                    };
-                    for ((x, y), color) in tile
-                        .pixels()
-                        .zip(render_tile(tracer, &frame, settings, tile))
-                    {
-                        band[((y - top) * width + x) as usize] = color.extend(1.0).to_array();
-                    }
-                    pixels += tile.len() as u64;
-                    let finished =
-                        done.fetch_add(tile.len() as u64, Ordering::Relaxed) + tile.len() as u64;
-                    (control.progress)(finished, total);
-                }
-                let after = counters(tracer);
-                Stats {
-                    rays: after.rays - before.rays,
-                    shadow_rays: after.shadow_rays - before.shadow_rays,
-                    bad_samples: after.bad_samples - before.bad_samples,
-                    pixels,
-                }
-            },
-        )
+        // Bands differ in cost: what one thread has left over, others take, down to the last band.
+        .with_max_len(1)
+        .map(|(number, band)| {
+            let tracer = lock(&idle).pop();
+            let mut tracer = tracer.unwrap_or_else(|| Tracer::new(bvh, settings));
+            let stats = render_band(&mut tracer, &job, y0 + number as u32 * TILE[1], band);
+            lock(&idle).push(tracer);
+            stats
+        })
         .reduce(Stats::default, |a, b| a + b);
     Film { image, stats }
+}
+
+/// What the bands of a picture have in common.
+struct Job<'a> {
+    frame: CameraFrame,
+    settings: &'a Settings,
+    control: &'a Control<'a>,
+    /// x0, y0 (included), x1, y1 (excluded).
+    crop: [u32; 4],
+    /// Finished pixels, of `total`.
+    done: AtomicU64,
+    total: u64,
+}
+
+/// A panic in one band is passed on by rayon; it leaves the list of tracers whole.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Renders the tiles from row `top` on into `band`, whole rows of the picture.
+fn render_band(tracer: &mut Tracer, job: &Job, top: u32, band: &mut [[f32; 4]]) -> Stats {
+    let before = counters(tracer);
+    let [x0, _, x1, y1] = job.crop;
+    let width = job.settings.resolution[0];
+    let mut pixels = 0;
+    for left in (x0..x1).step_by(TILE[0] as usize) {
+        if job.control.stop.load(Ordering::Relaxed) {
+            break;
+        }
+        let tile = Tile {
+            x0: left,
+            y0: top,
+            x1: (left + TILE[0]).min(x1),
+            y1: (top + TILE[1]).min(y1),
+        };
+        let colors = render_tile(tracer, &job.frame, job.settings, tile);
+        for ((x, y), color) in tile.pixels().zip(colors) {
+            band[((y - top) * width + x) as usize] = color.extend(1.0).to_array();
+        }
+        let new = tile.len() as u64;
+        pixels += new;
+        let finished = job.done.fetch_add(new, Ordering::Relaxed) + new;
+        (job.control.progress)(finished, job.total);
+    }
+    let after = counters(tracer);
+    Stats {
+        rays: after.rays - before.rays,
+        shadow_rays: after.shadow_rays - before.shadow_rays,
+        bad_samples: after.bad_samples - before.bad_samples,
+        pixels,
+    }
 }
 
 fn counters(tracer: &Tracer) -> Stats {
@@ -140,12 +174,15 @@ fn render_fixed(
     let batch = BATCH.min(tile.len() * spp as usize);
     let mut places = Vec::with_capacity(batch);
     let mut radiance = vec![Vec3::ZERO; batch];
-    let mut traced = 0;
+    let (mut pixel, mut in_pixel) = (0, 0);
     let mut flush = |places: &mut Vec<Vec2>| {
         tracer.trace(frame, places, &mut radiance[..places.len()]);
         for &sample in &radiance[..places.len()] {
-            sums[(traced / spp) as usize] += sample;
-            traced += 1;
+            sums[pixel] += sample;
+            in_pixel += 1;
+            if in_pixel == spp {
+                (pixel, in_pixel) = (pixel + 1, 0);
+            }
         }
         places.clear();
     };
