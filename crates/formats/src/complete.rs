@@ -20,7 +20,7 @@ const FLAT: f32 = 0.02;
 pub fn complete_scene(scene: &mut Scene, resolution: Option<[u32; 2]>, report: &mut Report) {
     if scene.cameras.is_empty() {
         let points = points(scene);
-        let (view, what) = view_direction(Aabb::from_points(points.iter().copied()));
+        let (view, what) = view_direction(Aabb::from_points(points.iter().copied()), front(scene));
         let aspect = match resolution {
             Some([width, height]) if width > 0 && height > 0 => width as f32 / height as f32,
             _ => ASPECT,
@@ -66,14 +66,48 @@ fn corners(bounds: Aabb) -> [Vec3; 8] {
     std::array::from_fn(|i| Vec3::new(ends[i & 1].x, ends[i >> 1 & 1].y, ends[i >> 2].z))
 }
 
-/// From the model to the eye: from above to the right, unless the model is flat, then nearly along the flat axis.
-fn view_direction(bounds: Aabb) -> (Vec3, &'static str) {
+/// The mean direction of the fronts of all triangles that are seen from one side only, by their area.
+///
+/// A mirroring transform keeps a front in front, although it turns the order of the corners over.
+fn front(scene: &Scene) -> Vec3 {
+    let mut sum = Vec3::ZERO;
+    for instance in &scene.instances {
+        let Geometry::Mesh(id) = instance.geometry else {
+            continue;
+        };
+        if scene.materials[instance.material.index()].double_sided {
+            continue;
+        }
+        let mesh = &scene.meshes[id.index()];
+        let place = |i: u32| {
+            let p = mesh.positions[i as usize];
+            instance.transform.transform_point3(p)
+        };
+        let turn = instance.transform.matrix3.determinant().signum();
+        let areas = mesh.indices.iter().map(|triangle| {
+            let [a, b, c] = triangle.map(place);
+            (b - a).cross(c - a)
+        });
+        sum += areas.sum::<Vec3>() * turn;
+    }
+    sum
+}
+
+/// From the model to the eye: from above to the right, unless the model is flat, then nearly along the flat axis and
+/// to its `front`, if it has one.
+fn view_direction(bounds: Aabb, front: Vec3) -> (Vec3, &'static str) {
     let size = bounds.extent();
     let thin = FLAT * size.max_element();
-    let (direction, what) = if size.z <= thin {
+    let (direction, what) = if size.z <= thin && front.z < 0.0 {
+        (Vec3::new(-0.12, 0.08, -1.0), "from behind")
+    } else if size.z <= thin {
         (Vec3::new(0.12, 0.08, 1.0), "from the front")
+    } else if size.y <= thin && front.y < 0.0 {
+        (Vec3::new(0.12, -1.0, 0.35), "from below")
     } else if size.y <= thin {
         (Vec3::new(0.12, 1.0, 0.35), "from above")
+    } else if size.x <= thin && front.x < 0.0 {
+        (Vec3::new(-1.0, 0.08, -0.12), "from the left")
     } else if size.x <= thin {
         (Vec3::new(1.0, 0.08, 0.12), "from the right")
     } else {
@@ -220,5 +254,28 @@ mod tests {
         let mut again = Report::default();
         complete_scene(&mut scene, None, &mut again);
         assert_eq!(again, Report::default());
+    }
+
+    /// A flat model that is seen from one side only is seen from that side, mirrored or not.
+    #[test]
+    fn flat_models_show_their_front() {
+        let flat = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        for (scale, double_sided, sign) in [
+            (Vec3::ONE, false, 1.0),
+            (Vec3::NEG_ONE, false, -1.0),
+            (Vec3::new(-1.0, 1.0, 1.0), false, 1.0),
+            (Vec3::NEG_ONE, true, 1.0),
+        ] {
+            let mut scene = scene_of(flat.to_vec());
+            scene.meshes[0].indices = vec![[0, 1, 2]];
+            scene.materials[0].double_sided = double_sided;
+            scene.instances[0].transform = umbriel_kernels::glam::Affine3A::from_scale(scale);
+            complete_scene(&mut scene, None, &mut Report::default());
+            assert_eq!(
+                scene.cameras[0].pose.translation.z.signum(),
+                sign,
+                "{scale}"
+            );
+        }
     }
 }

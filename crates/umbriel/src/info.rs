@@ -37,10 +37,6 @@ pub(crate) struct Contents {
     pub(crate) materials: usize,
     pub(crate) textures: usize,
     pub(crate) lights: usize,
-    /// Around everything that is finite; `None` if nothing is.
-    pub(crate) bounds: Option<Aabb>,
-    /// Whether an infinite plane is among the surfaces.
-    pub(crate) infinite: bool,
     /// Bytes of meshes, textures and instances.
     pub(crate) memory: usize,
 }
@@ -56,29 +52,16 @@ impl Contents {
             materials: scene.materials.len(),
             textures: scene.textures.len(),
             lights: scene.lights.len(),
-            bounds: None,
-            infinite: false,
             memory: scene_memory(scene),
         };
-        let mesh_bounds: Vec<Aabb> = scene.meshes.iter().map(Mesh::bounds).collect();
-        let mut bounds = Aabb::EMPTY;
         for instance in &scene.instances {
-            let own = match instance.geometry {
+            match instance.geometry {
                 Geometry::Mesh(id) => {
                     contents.triangles += scene.meshes[id.index()].indices.len();
-                    Some(mesh_bounds[id.index()])
                 }
-                Geometry::Surface(id) => {
-                    contents.surfaces += 1;
-                    scene.surfaces[id.index()].bounds()
-                }
-            };
-            match own {
-                Some(own) => bounds = bounds.union(own.transformed(&instance.transform)),
-                None => contents.infinite = true,
+                Geometry::Surface(_) => contents.surfaces += 1,
             }
         }
-        contents.bounds = (!bounds.is_empty()).then_some(bounds);
         contents
     }
 
@@ -100,6 +83,39 @@ impl Contents {
             "nothing".to_owned()
         } else {
             words.join(", ")
+        }
+    }
+}
+
+/// Where everything is.
+#[derive(Clone, Copy, Debug)]
+struct Extent {
+    /// Around all vertices and all surfaces that are finite; `None` if there are none.
+    bounds: Option<Aabb>,
+    /// Whether an infinite plane is among the surfaces.
+    infinite: bool,
+}
+
+impl Extent {
+    /// By the vertices themselves: the boxes that rays are tested against are wider, and turned ones much wider.
+    fn of(scene: &Scene) -> Self {
+        let (mut bounds, mut infinite) = (Aabb::EMPTY, false);
+        for instance in &scene.instances {
+            match instance.geometry {
+                Geometry::Mesh(id) => {
+                    let points = scene.meshes[id.index()].positions.iter();
+                    let placed = points.map(|&p| instance.transform.transform_point3(p));
+                    bounds = bounds.union(Aabb::from_points(placed));
+                }
+                Geometry::Surface(id) => match scene.surfaces[id.index()].bounds() {
+                    Some(own) => bounds = bounds.union(own.transformed(&instance.transform)),
+                    None => infinite = true,
+                },
+            }
+        }
+        Self {
+            bounds: (!bounds.is_empty()).then_some(bounds),
+            infinite,
         }
     }
 }
@@ -133,15 +149,16 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     };
     let loaded = load_scene(&args.scene, &options)?;
     let ignored = ignored_line(&loaded.report);
-    let (scene, contents) = (&loaded.scene, Contents::of(&loaded.scene));
+    let scene = &loaded.scene;
+    let (contents, extent) = (Contents::of(scene), Extent::of(scene));
     if args.json {
-        let mut object = contents_json(scene, &contents);
+        let mut object = contents_json(scene, &contents, extent);
         object["scene"] = json!(args.scene.display().to_string());
         object["notes"] = json!(loaded.report.notes);
         object["ignored"] = json!(loaded.report.ignored);
         print_line(&object.to_string())?;
     } else {
-        let mut lines = contents_lines(scene, &contents);
+        let mut lines = contents_lines(scene, &contents, extent);
         lines.extend(
             loaded
                 .report
@@ -164,7 +181,7 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     }
 }
 
-fn contents_lines(scene: &Scene, contents: &Contents) -> Vec<String> {
+fn contents_lines(scene: &Scene, contents: &Contents, extent: Extent) -> Vec<String> {
     let Contents {
         instances,
         triangles,
@@ -201,18 +218,18 @@ fn contents_lines(scene: &Scene, contents: &Contents) -> Vec<String> {
             names(camera_names(&scene.cameras))
         ),
     ];
-    lines.push(bounds_line(contents));
+    lines.push(bounds_line(extent));
     lines.push(format!("memory     {}", memory(contents.memory as f64)));
     lines
 }
 
-fn bounds_line(contents: &Contents) -> String {
-    let infinite = if contents.infinite {
+fn bounds_line(extent: Extent) -> String {
+    let infinite = if extent.infinite {
         ", and an infinite plane"
     } else {
         ""
     };
-    match contents.bounds {
+    match extent.bounds {
         Some(Aabb { min, max }) => format!("bounds     {min} to {max}{infinite}"),
         None => format!("bounds     nothing finite{infinite}"),
     }
@@ -222,8 +239,8 @@ fn camera_names(cameras: &[Camera]) -> Vec<&str> {
     cameras.iter().map(|camera| camera.name.as_str()).collect()
 }
 
-fn contents_json(scene: &Scene, contents: &Contents) -> Value {
-    let bounds = contents
+fn contents_json(scene: &Scene, contents: &Contents, extent: Extent) -> Value {
+    let bounds = extent
         .bounds
         .map(|b| json!({ "min": b.min.to_array(), "max": b.max.to_array() }));
     json!({
@@ -237,7 +254,7 @@ fn contents_json(scene: &Scene, contents: &Contents) -> Value {
         "lights": scene.lights.iter().map(|l| l.name()).collect::<Vec<_>>(),
         "cameras": camera_names(&scene.cameras),
         "bounds": bounds,
-        "infinite": contents.infinite,
+        "infinite": extent.infinite,
         "memory": contents.memory,
     })
 }

@@ -176,3 +176,13 @@ fn helpers_print_their_texts() {
     );
     assert!(folder.ok("--version").text().starts_with("umbriel "));
 }
+
+/// The bounds are those of the vertices, not the wider ones that rays are tested against.
+#[test]
+fn info_tells_exact_bounds() {
+    let folder = Folder::new();
+    folder.write("a.obj", "v 0 0 -2\nv 1 0 0\nv 0 1 0.5\nf 1 2 3\n");
+    let bounds = folder.ok("info a.obj --json").json()["bounds"].clone();
+    let expected = serde_json::json!({ "min": [0.0, 0.0, -2.0], "max": [1.0, 1.0, 0.5] });
+    assert_eq!(bounds, expected);
+}
