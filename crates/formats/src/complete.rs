@@ -9,7 +9,7 @@ const FOV_DEGREES: f32 = 40.0;
 /// Width over height of a picture of unknown size.
 const ASPECT: f32 = 4.0 / 3.0;
 /// The picture over the model in it.
-const MARGIN: f32 = 1.12;
+const MARGIN: f32 = 1.25;
 /// A model is flat when it is thinner along an axis than this share of its size.
 const FLAT: f32 = 0.02;
 

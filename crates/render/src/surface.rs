@@ -66,18 +66,28 @@ pub fn surface_interaction(bvh: &SceneBvh, ray: &Ray, hit: &Hit) -> SurfaceInter
     let wo = -ray.dir;
     let side = side_of(wo, point.ng);
     let front = side > 0.0;
-    // Near silhouettes of smooth meshes the interpolated normal may point away from the viewer.
     let (ng, ns) = (side * point.ng, side * point.ns);
     SurfaceInteraction {
         p: point.p,
         error: point.error,
         shadow_p: point.p + point.lift,
         ng,
-        ns: if ns.dot(wo) > 0.0 { ns } else { ng },
+        ns: towards_viewer(ns, ng, wo),
         wo,
         front,
         bsdf: material_at(scene, material, &point.uvs, point.color, front),
     }
+}
+
+/// The shading normal, or where it points away from the viewer, as it may near silhouettes of smooth meshes, the nearest
+/// direction that does not.
+#[inline(always)]
+fn towards_viewer(ns: Vec3, ng: Vec3, wo: Vec3) -> Vec3 {
+    let cos_o = ns.dot(wo);
+    if cos_o >= 0.0 {
+        return ns;
+    }
+    (ns - wo * cos_o).normalize_or(ng)
 }
 
 /// 1 if `wo` is on the side of the normal `n`, or in its plane, −1 behind.
