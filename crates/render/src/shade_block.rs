@@ -151,14 +151,8 @@ impl ShadeBlock {
             return;
         }
         let least = settings.min_weight;
-        let (mirrored, refracted) = (&mut self.mirrored, &mut self.refracted);
-        whitted::spawn(
-            &self.surfaces,
-            &self.seen.weight,
-            least,
-            mirrored,
-            refracted,
-        );
+        let (weights, onward) = (&self.seen.weight, (&mut self.mirrored, &mut self.refracted));
+        whitted::spawn(&self.surfaces, weights, least, onward.0, onward.1);
         let on_their_way = |onward: &OnwardLanes| {
             let lanes = if onward.any() { LANES } else { 0 };
             states().enumerate().take(lanes)

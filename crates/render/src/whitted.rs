@@ -119,6 +119,10 @@ impl OnwardLanes {
 /// ```
 /// Total internal reflection has `F = 1`, so its refracted ray has no weight. Only rays with a weight of `least` in
 /// some channel have an origin and a direction.
+#[allow(
+    clippy::redundant_closure,
+    reason = "a function passed by name is not inlined into the copy for the vector unit"
+)]
 #[inline(always)]
 pub(crate) fn spawn(
     surfaces: &SurfaceLanes,
