@@ -597,3 +597,27 @@ proptest! {
         }
     }
 }
+
+/// A file of 1 KB that asks for 25 GB: attributes without bytes, shared by many primitives.
+#[test]
+fn a_small_gltf_does_not_unfold_to_much_memory() {
+    let accessor = |kind: &str, count: u32| {
+        format!("{{\"componentType\":5126,\"type\":\"{kind}\",\"count\":{count}}}")
+    };
+    let file = |count: u32, primitives: usize| {
+        let one = "{\"attributes\":{\"POSITION\":0,\"NORMAL\":0,\"TANGENT\":1,\"COLOR_0\":1}}";
+        format!(
+            "{{\"asset\":{{\"version\":\"2.0\"}},\"nodes\":[{{\"mesh\":0}}],\"accessors\":[{},{}],\"meshes\":[{{\"primitives\":[{}]}}]}}",
+            accessor("VEC3", count),
+            accessor("VEC4", count),
+            vec![one; primitives].join(",")
+        )
+    };
+    assert!(import("t.gltf", file(3, 4)).is_ok());
+    for (count, primitives) in [(1 << 24, 1), (1 << 20, 2), (u32::MAX, 1)] {
+        let error = import("t.gltf", file(count, primitives))
+            .map(|_| ())
+            .unwrap_err();
+        assert_eq!(error.kind, ErrorKind::Limit, "{error}");
+    }
+}

@@ -1,13 +1,10 @@
 //! Accessors: typed arrays in buffers, dense and sparse.
 
 use super::{
-    buffer::{Buffers, View},
+    buffer::{Buffers, MAX_ZEROS, View},
     json::Json,
 };
 use crate::{ErrorKind, FileError};
-
-/// Most elements of an accessor that has no bytes in the file (all zero, then sparse values).
-const MAX_ZEROS: u64 = 1 << 24;
 
 /// Type of a component.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -179,7 +176,7 @@ impl<'a> Accessor<'a> {
             }
         };
         let Some(view) = self.json.index("bufferView", buffers.view_count())? else {
-            let mut values = self.zeros()?;
+            let mut values = self.zeros(buffers)?;
             self.read_sparse(buffers, &mut values, element)?;
             return Ok(values);
         };
@@ -233,10 +230,12 @@ impl<'a> Accessor<'a> {
         }
     }
 
-    fn zeros<T: Copy + Default>(&self) -> Result<Vec<T>, FileError> {
-        if self.count > MAX_ZEROS {
+    /// The values of an accessor without bytes in the file.
+    fn zeros<T: Copy + Default>(&self, buffers: &Buffers) -> Result<Vec<T>, FileError> {
+        let n = self.count * self.width;
+        if !buffers.take_zeros(n) {
             let message = format!(
-                "is {} without a buffer view; the limit is {MAX_ZEROS}",
+                "is {} without a buffer view; the limit is {MAX_ZEROS} numbers in a file",
                 self.count
             );
             return Err(FileError {
@@ -244,7 +243,7 @@ impl<'a> Accessor<'a> {
                 ..self.json.error_at("count", message)
             });
         }
-        Ok(vec![T::default(); (self.count * self.width) as usize])
+        Ok(vec![T::default(); n as usize])
     }
 
     /// Puts the sparse values, which are tightly packed, in the places of their rising indices.

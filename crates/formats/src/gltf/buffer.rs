@@ -10,13 +10,18 @@ use base64::{
     Engine, alphabet,
     engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig},
 };
-use std::borrow::Cow;
+use std::{borrow::Cow, cell::Cell};
 
 /// The buffers of a file and the views into them.
 pub(super) struct Buffers<'a> {
     buffers: Vec<Cow<'a, [u8]>>,
     views: Vec<Json<'a>>,
+    /// What is left of the limit on numbers without bytes.
+    zeros: Cell<u64>,
 }
+
+/// Most numbers of all accessors that have no bytes in the file (all zero, then sparse values), each time they are read.
+pub(super) const MAX_ZEROS: u64 = 1 << 24;
 
 /// A part of a buffer.
 #[derive(Clone, Copy)]
@@ -54,7 +59,15 @@ impl<'a> Buffers<'a> {
         Ok(Self {
             buffers,
             views: root.objects("bufferViews")?,
+            zeros: Cell::new(MAX_ZEROS),
         })
+    }
+
+    /// Whether `n` more numbers without bytes are within the limit.
+    pub(super) fn take_zeros(&self, n: u64) -> bool {
+        let left = self.zeros.get().checked_sub(n);
+        self.zeros.set(left.unwrap_or(0));
+        left.is_some()
     }
 
     pub(super) fn view_count(&self) -> usize {

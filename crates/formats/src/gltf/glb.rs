@@ -17,42 +17,11 @@ pub(super) fn split_glb<'a>(
 ) -> Result<(&'a [u8], Option<&'a [u8]>), FileError> {
     let fail =
         |at: usize, message: String| Err(FileError::input(path, Place::Byte(at as u64), message));
-    let word = |at: usize| -> Option<u32> {
-        Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
-    };
-    if !bytes.starts_with(b"glTF") {
-        return fail(
-            0,
-            "is not binary glTF; expected the letters glTF".to_owned(),
-        );
-    }
-    let (Some(version), Some(length)) = (word(4), word(8)) else {
-        return fail(
-            bytes.len(),
-            "the file ends inside its header; expected 12 bytes".to_owned(),
-        );
-    };
-    if version != 2 {
-        return fail(
-            4,
-            format!("is binary glTF of version {version}; expected 2"),
-        );
-    }
-    let length = length as usize;
-    if length > bytes.len() {
-        return fail(
-            8,
-            format!(
-                "the header says {length} bytes; the file has only {}",
-                bytes.len()
-            ),
-        );
-    }
-
+    let length = read_length(path, bytes)?;
     let (mut json, mut binary) = (None, None);
     let mut at = 12;
     while at < length {
-        let (Some(size), Some(kind)) = (word(at), word(at + 4)) else {
+        let (Some(size), Some(kind)) = (word(bytes, at), word(bytes, at + 4)) else {
             return fail(
                 at,
                 "the file ends inside the header of a chunk; expected 8 bytes".to_owned(),
@@ -80,4 +49,43 @@ pub(super) fn split_glb<'a>(
         Some(json) => Ok((json, binary)),
         None => fail(12, "the file has no JSON chunk".to_owned()),
     }
+}
+
+/// The length of the file as its header says, which is no more than there is.
+fn read_length(path: &Path, bytes: &[u8]) -> Result<usize, FileError> {
+    let fail =
+        |at: usize, message: String| Err(FileError::input(path, Place::Byte(at as u64), message));
+    if !bytes.starts_with(b"glTF") {
+        return fail(
+            0,
+            "is not binary glTF; expected the letters glTF".to_owned(),
+        );
+    }
+    let (Some(version), Some(length)) = (word(bytes, 4), word(bytes, 8)) else {
+        return fail(
+            bytes.len(),
+            "the file ends inside its header; expected 12 bytes".to_owned(),
+        );
+    };
+    if version != 2 {
+        return fail(
+            4,
+            format!("is binary glTF of version {version}; expected 2"),
+        );
+    }
+    let length = length as usize;
+    if length > bytes.len() {
+        return fail(
+            8,
+            format!(
+                "the header says {length} bytes; the file has only {}",
+                bytes.len()
+            ),
+        );
+    }
+    Ok(length)
+}
+
+fn word(bytes: &[u8], at: usize) -> Option<u32> {
+    Some(u32::from_le_bytes(bytes.get(at..at + 4)?.try_into().ok()?))
 }

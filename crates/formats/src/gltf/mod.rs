@@ -33,8 +33,8 @@ const SUPPORTED: [&str; 9] = [
     "KHR_texture_transform",
 ];
 
-/// Most vertices, triangles and instances that a file may unfold to: shared parts are copied, so that a
-/// small file could ask for any amount of memory.
+/// Most values of vertices (each attribute counts), corners and instances that a file may unfold to, of at most 16 bytes:
+/// shared parts are copied, so that a small file could ask for any amount of memory.
 const MAX_UNFOLDED: u64 = 1 << 28;
 
 /// What is left of the limit on unfolded elements.
@@ -45,7 +45,7 @@ impl Budget {
         let left = self.0.checked_sub(n as u64);
         self.0 = left.ok_or_else(|| {
             let message = format!(
-                "the file unfolds to more than {MAX_UNFOLDED} vertices, triangles and instances"
+                "the file unfolds to more than {MAX_UNFOLDED} vertex attributes, corners and instances"
             );
             FileError {
                 kind: ErrorKind::Limit,

@@ -68,7 +68,8 @@ impl Source<'_, '_> {
             report.ignore("primitive without POSITION");
             return Ok(None);
         };
-        budget.take(json, positions.len())?;
+        // Every attribute takes memory of its own, also where several share one accessor or have no bytes in the file.
+        budget.take(json, positions.len() * attributes.keys().count())?;
         let mut primitive = self.attributes(&attributes, positions, report)?;
         self.morph(json, morph, &mut primitive.mesh)?;
         check_lengths(&attributes, &primitive)?;
