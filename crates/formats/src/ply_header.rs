@@ -133,61 +133,68 @@ pub(crate) fn read_header(path: &Path, bytes: &[u8]) -> Result<Header, FileError
         let Some(&first) = words.first() else {
             continue;
         };
-        if number == 0 && first.bytes != b"ply" {
+        // A line at the limit goes on where nothing is looked at.
+        if (number == 0 && first.bytes != b"ply") || end == MAX_HEADER {
             break;
         }
-        if end == MAX_HEADER {
-            // This line goes on where nothing is looked at.
-            break;
+        if first.bytes == b"end_header" {
+            let missing = "no `format` line before the end of the header";
+            return Ok(Header {
+                form: form.ok_or_else(|| text.error(first.at, missing))?,
+                elements,
+                end: data_start(bytes, start, end),
+            });
         }
-        match first.bytes {
-            b"end_header" => {
-                let form = form.ok_or_else(|| {
-                    text.error(first.at, "no `format` line before the end of the header")
-                })?;
-                // CR LF is one end; after a CR alone the data may begin with the byte of an LF.
-                let crlf = bytes[end..].starts_with(b"\r\n") && bytes[..start].ends_with(b"\n");
-                let end = (end + if crlf { 2 } else { 1 }).min(bytes.len());
-                return Ok(Header {
-                    form,
-                    elements,
-                    end,
-                });
-            }
-            b"format" => form = Some(read_format(&text, &words)?),
-            b"element" => elements.push(read_element(&text, &words)?),
-            b"property" => {
-                let property = read_property(&text, &words)?;
-                let element = elements.last_mut();
-                element
-                    .ok_or_else(|| text.error(first.at, "a property before any element"))?
-                    .properties
-                    .push(property);
-            }
-            b"ply" | b"comment" | b"obj_info" => {}
-            _ => {
-                return Err(text.unexpected(
-                    Some(first),
-                    "a PLY header line (format, element, property, end_header)",
-                ));
-            }
+        read_line(&text, &words, &mut form, &mut elements)?;
+    }
+    Err(unfinished(&text, bytes))
+}
+
+/// Where the data begins after the last line of the header, from `start` to `end`: CR LF is one end; after a CR alone the
+/// data may begin with the byte of an LF.
+fn data_start(bytes: &[u8], start: usize, end: usize) -> usize {
+    let crlf = bytes[end..].starts_with(b"\r\n") && bytes[..start].ends_with(b"\n");
+    (end + if crlf { 2 } else { 1 }).min(bytes.len())
+}
+
+/// Reads a line of the header that is not empty and not its last.
+fn read_line(
+    text: &Text,
+    words: &[Word],
+    form: &mut Option<Form>,
+    elements: &mut Vec<Element>,
+) -> Result<(), FileError> {
+    let first = words[0];
+    match first.bytes {
+        b"format" => *form = Some(read_format(text, words)?),
+        b"element" => elements.push(read_element(text, words)?),
+        b"property" => {
+            let property = read_property(text, words)?;
+            let element = elements.last_mut();
+            let element =
+                element.ok_or_else(|| text.error(first.at, "a property before any element"))?;
+            element.properties.push(property);
+        }
+        b"ply" | b"comment" | b"obj_info" => {}
+        _ => {
+            let expected = "a PLY header line (format, element, property, end_header)";
+            return Err(text.unexpected(Some(first), expected));
         }
     }
+    Ok(())
+}
+
+/// Why there was no end of the header.
+fn unfinished(text: &Text, bytes: &[u8]) -> FileError {
     if !bytes.starts_with(b"ply") {
-        return Err(FileError::input(
-            path,
-            Place::Byte(0),
-            "is not a PLY file; expected `ply` in the first line",
-        ));
+        let message = "is not a PLY file; expected `ply` in the first line";
+        return FileError::input(text.path, Place::Byte(0), message);
     }
     if bytes.len() > MAX_HEADER {
-        return Err(FileError::limit(
-            path,
-            Place::Byte(MAX_HEADER as u64),
-            "no `end_header` within 1 MiB",
-        ));
+        let place = Place::Byte(MAX_HEADER as u64);
+        return FileError::limit(text.path, place, "no `end_header` within 1 MiB");
     }
-    Err(text.unexpected(None, "`end_header`"))
+    text.unexpected(None, "`end_header`")
 }
 
 fn read_format(text: &Text, words: &[Word]) -> Result<Form, FileError> {

@@ -145,35 +145,21 @@ fn reword(message: &str, path: &[Step]) -> String {
         let list = hint(first, quoted.iter().skip(1).copied(), "");
         return format!("unknown value \"{first}\"{}; {list}", of_key(path));
     }
-    if let Some((found, expected)) = message
-        .strip_prefix("invalid type: ")
-        .and_then(split_expected)
-    {
-        if key(path) == Some("include") {
-            return format!(
-                "`include` holds {}; expected an array of names, [\"other.toml\"]",
-                found_words(found)
-            );
-        }
-        return format!(
-            "{}is {}; expected {}",
-            subject(path),
-            found_words(found),
-            expected_words(expected)
-        );
-    }
-    if let Some((found, expected)) = message
-        .strip_prefix("invalid value: ")
-        .and_then(split_expected)
-    {
-        return format!(
-            "{}is {}; expected {}",
-            subject(path),
-            found_words(found),
-            expected_words(expected)
-        );
+    let kinds = ["invalid type: ", "invalid value: "];
+    let found = kinds.iter().find_map(|kind| message.strip_prefix(kind));
+    if let Some((found, expected)) = found.and_then(split_expected) {
+        return reword_expected(found, expected, message, path);
     }
     format!("{}{message}", subject(path).replace("` ", "`: "))
+}
+
+fn reword_expected(found: &str, expected: &str, message: &str, path: &[Step]) -> String {
+    let found = found_words(found);
+    if key(path) == Some("include") && message.starts_with("invalid type") {
+        return format!("`include` holds {found}; expected an array of names, [\"other.toml\"]");
+    }
+    let expected = expected_words(expected);
+    format!("{}is {found}; expected {expected}", subject(path))
 }
 
 fn split_expected(message: &str) -> Option<(&str, &str)> {
