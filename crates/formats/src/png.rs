@@ -28,7 +28,10 @@ pub fn encode_png(width: usize, height: usize, pixels: &[[u8; 4]]) -> Vec<u8> {
     );
     let opaque = pixels.iter().all(|p| p[3] == 255);
     let (data, color): (Vec<u8>, _) = if opaque {
-        let rgb = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+        let mut rgb = vec![0; 3 * pixels.len()];
+        for (to, &[r, g, b, _]) in rgb.as_chunks_mut::<3>().0.iter_mut().zip(pixels) {
+            *to = [r, g, b];
+        }
         (rgb, ExtendedColorType::Rgb8)
     } else {
         (pixels.as_flattened().to_vec(), ExtendedColorType::Rgba8)

@@ -8,7 +8,7 @@ use glam::{Affine3A, Vec3};
 /// does not hit the point it starts from; the upper end belongs to the interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// Excluded lower end.
+    /// Excluded lower end, 0 or greater.
     pub min: f32,
     /// Included upper end; may be infinite.
     pub max: f32,

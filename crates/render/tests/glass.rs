@@ -44,11 +44,14 @@ fn glass_loses_nothing() {
 /// Without further rays only the direct reflection is left: Fresnel's formula.
 #[test]
 fn glass_reflects_by_fresnel() {
-    let mut scene = Scene::default();
-    scene.environment = Environment {
+    let environment = Environment {
         zenith: Vec3::ONE * 2.0,
         nadir: Vec3::ZERO,
         ambient: Some(Vec3::ZERO),
+    };
+    let mut scene = Scene {
+        environment,
+        ..Scene::default()
     };
     let glass = Material {
         transmission: 1.0,
