@@ -53,8 +53,11 @@ fn facts(scene: &Scene) -> (usize, Aabb) {
 const UNIT: Option<[[f32; 3]; 2]> = Some([[-0.5; 3], [0.5; 3]]);
 const TWO: Option<[[f32; 3]; 2]> = Some([[-1.0; 3], [1.0; 3]]);
 
+/// Least and greatest corner of a box.
+type Corners = [[f32; 3]; 2];
+
 /// File, triangles with the degenerate ones, box where it is known.
-const MODELS: [(&str, usize, Option<[[f32; 3]; 2]>); 45] = [
+const MODELS: [(&str, usize, Option<Corners>); 45] = [
     ("gltf-box/Box.glb", 12, UNIT),
     ("gltf-box-textured/BoxTextured.glb", 12, None),
     ("gltf-box-vertex-colors/BoxVertexColors.glb", 12, None),
