@@ -13,7 +13,7 @@ use umbriel_kernels::{
 /// Shadow rays, shadow maps and "all of it" are the answers.
 pub trait Visibility {
     /// For each ray from a surface towards the light of the same place in `lights` (positions in
-    /// [`Scene::lights`]), the fraction of the light that arrives, by colour. All slices have one length.
+    /// [`Scene::lights`](crate::Scene::lights)), the fraction of the light that arrives, by colour. All slices have one length.
     fn transmittance(&mut self, rays: &[Ray], lights: &[u32], fractions: &mut [Vec3]);
 }
 
