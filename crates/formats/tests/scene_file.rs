@@ -71,6 +71,7 @@ fn every_key_is_understood() {
         (settings.depth, settings.seed, settings.exposure),
         (Some(4), Some(7), Some(-1.5))
     );
+    assert_eq!(settings.min_weight, Some(0.001));
     assert_eq!(settings.shadows, Some(false));
     assert_eq!(
         (

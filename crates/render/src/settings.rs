@@ -55,7 +55,8 @@ pub struct Settings {
     /// mirrors and glass by their highlights alone; ray casting, which expects no such rays, lights them by the sky.
     pub depth: u32,
     /// Rays whose weight falls below this in every channel are not traced (Hall & Greenberg 1983). The default, 1/256,
-    /// loses that part of the light of what is seen by many reflections; lower it for faint images of bright things.
+    /// loses that part of the light of what is seen by many reflections; lower it for faint images of bright things
+    /// (`min_weight` in the `[render]` table of a scene file).
     pub min_weight: f32,
     /// Whether lights cast shadows.
     pub shadows: bool,

@@ -116,6 +116,7 @@ fn settings(args: &RenderArgs, scene: &SceneSettings, size: [u32; 2]) -> Setting
         crop: args.crop,
         sampling: sampling(args, scene).unwrap_or(base.sampling),
         depth: args.depth.or(scene.depth).unwrap_or(base.depth),
+        min_weight: scene.min_weight.unwrap_or(base.min_weight),
         shadows: !args.no_shadows && scene.shadows.unwrap_or(base.shadows),
         glass_shadows: args
             .glass_shadows

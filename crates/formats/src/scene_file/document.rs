@@ -69,8 +69,10 @@ pub(super) struct RenderTable {
     pub spp: Option<u32>,
     /// Adaptive sampling in place of `spp`.
     pub adaptive: Option<AdaptiveTable>,
-    /// Greatest number of mirrored or refracted rays one after the other.
+    /// Greatest number of mirrored or refracted rays one after the other, from 0 to 64.
     pub depth: Option<u32>,
+    /// Rays whose weight falls below this are not traced, from 0 to 1; 1/256 unless given.
+    pub min_weight: Option<f32>,
     /// Whether lights cast shadows.
     pub shadows: Option<bool>,
     /// What a shadow ray does at glass.

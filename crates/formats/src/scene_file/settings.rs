@@ -17,6 +17,8 @@ pub struct SceneSettings {
     pub sampling: Option<Sampling>,
     /// Recursion limit.
     pub depth: Option<u32>,
+    /// Least weight of a ray.
+    pub min_weight: Option<f32>,
     /// Whether lights cast shadows.
     pub shadows: Option<bool>,
     /// What a shadow ray does at glass.
@@ -47,6 +49,7 @@ pub(super) fn read_settings(parts: &[Part]) -> Result<SceneSettings, FileError> 
             resolution: merged.resolution.or(one.resolution),
             sampling: merged.sampling.or(one.sampling),
             depth: merged.depth.or(one.depth),
+            min_weight: merged.min_weight.or(one.min_weight),
             shadows: merged.shadows.or(one.shadows),
             glass_shadows: merged.glass_shadows.or(one.glass_shadows),
             seed: merged.seed.or(one.seed),
@@ -73,6 +76,12 @@ fn read_table(table: &RenderTable, source: &Source) -> Result<SceneSettings, Fau
         let message = format!("`depth` is {depth}; must be from 0 to {MAX_DEPTH}");
         return Err(Fault::new(at("depth"), message));
     }
+    if let Some(weight) = table.min_weight
+        && !(0.0..=1.0).contains(&weight)
+    {
+        let message = format!("`min_weight` is {weight}; must be from 0 to 1");
+        return Err(Fault::new(at("min_weight"), message));
+    }
     Ok(SceneSettings {
         method: table.method.map(|name| match name {
             MethodName::RayCast => Method::RayCast,
@@ -81,6 +90,7 @@ fn read_table(table: &RenderTable, source: &Source) -> Result<SceneSettings, Fau
         resolution: resolution(table, at("resolution"))?,
         sampling: sampling(table, &at)?,
         depth: table.depth,
+        min_weight: table.min_weight,
         shadows: table.shadows,
         glass_shadows: table.glass_shadows.map(|name| match name {
             GlassShadowsName::Filtered => GlassShadows::Filtered,
