@@ -124,7 +124,6 @@ fn settings(args: &RenderArgs, scene: &SceneSettings, size: [u32; 2]) -> Setting
             .or(scene.glass_shadows)
             .unwrap_or(base.glass_shadows),
         seed: args.seed.or(scene.seed).unwrap_or(base.seed),
-        ..base
     }
 }
 
