@@ -62,10 +62,9 @@ impl LitLanes {
     }
 }
 
-/// Light of which a surface reflects less than this is left out: a 4,096th of what a white diffuse surface reflects
-/// when it faces the light, which is less than the darkest step of an 8-bit picture of it. Most of the tail of a highlight
-/// on glass is below.
-const LEAST_SHARE: f32 = FRAC_1_PI / 4_096.0;
+/// Light of which a surface reflects less than this is left out: a 65,536th of what a white diffuse surface reflects
+/// when it faces the light. Most of the tail of a highlight on glass is below.
+const LEAST_SHARE: f32 = FRAC_1_PI / 65_536.0;
 
 /// The lit surfaces of one round, waiting for the answers of one batch of visibility questions.
 #[derive(Debug, Default)]

@@ -9,7 +9,8 @@ use umbriel_kernels::{
 /// A scene made ready for rays: one tree over its instances, and one over the triangles of each mesh.
 ///
 /// [`SceneBvh::intersect`] and [`SceneBvh::occluded`] are the only doors between renderers and
-/// kernels. Among hits at equal `t` the lower (instance, primitive) wins.
+/// kernels. Among the hits at equal `t` that a walk visits the lower (instance, primitive) wins; of coincident triangles
+/// in different leaves, rounding may hide one from the walk, the same one on every run.
 #[derive(Debug)]
 pub struct SceneBvh<'a> {
     scene: &'a Scene,

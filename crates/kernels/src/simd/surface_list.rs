@@ -1,18 +1,20 @@
 //! A handful of surfaces against many rays.
 
-use super::block::{
-    BLOCK, Distances, RayBlock, intersect_plane_block, intersect_rectangle_block,
-    intersect_sphere_block,
+use super::{
+    VectorUnit,
+    block::{
+        BLOCK, Distances, RayBlock, intersect_plane_block, intersect_rectangle_block,
+        intersect_sphere_block,
+    },
 };
 use crate::{Hit, Ray, Surface, intersect_surface};
-use fearless_simd::{Level, dispatch};
 
 /// A handful of surfaces, each tested against all rays: for few surfaces faster than any tree.
 ///
 /// Gives what testing each ray with [`intersect_surface`] gives, to the bit.
 #[derive(Clone, Debug)]
 pub struct SurfaceList {
-    level: Level,
+    unit: VectorUnit,
     /// Instance numbers in rising order, so that the lower one wins at equal `t`.
     surfaces: Vec<(u32, Surface)>,
 }
@@ -20,22 +22,28 @@ pub struct SurfaceList {
 impl SurfaceList {
     /// A list of surfaces with their instance numbers, in rising order.
     pub fn new(surfaces: Vec<(u32, Surface)>) -> Self {
-        Self::with_level(Level::new(), surfaces)
+        Self::with_unit(VectorUnit::default(), surfaces)
     }
 
-    fn with_level(level: Level, surfaces: Vec<(u32, Surface)>) -> Self {
+    fn with_unit(unit: VectorUnit, surfaces: Vec<(u32, Surface)>) -> Self {
         debug_assert!(surfaces.is_sorted_by_key(|s| s.0));
-        Self { level, surfaces }
+        Self { unit, surfaces }
     }
 
     /// The first surface that each ray meets. `hits` is as long as `rays`.
     pub fn closest(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
-        dispatch!(self.level, _simd => closest(&self.surfaces, rays, hits));
+        self.unit.run(
+            #[inline(always)]
+            || closest(&self.surfaces, rays, hits),
+        );
     }
 
     /// Whether anything stands in each ray's way. `occluded` is as long as `rays`.
     pub fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
-        dispatch!(self.level, _simd => any(&self.surfaces, rays, occluded));
+        self.unit.run(
+            #[inline(always)]
+            || any(&self.surfaces, rays, occluded),
+        );
     }
 }
 
@@ -120,19 +128,6 @@ mod tests {
     use super::*;
     use crate::{Cuboid, Interval, Plane, Rectangle, Sphere, Torus};
     use glam::Vec3;
-
-    /// Every instruction set that this machine has.
-    fn levels() -> Vec<Level> {
-        let best = Level::new();
-        let mut levels = vec![best];
-        #[cfg(target_arch = "x86_64")]
-        {
-            levels.extend(best.as_avx2().map(Level::Avx2));
-            levels.extend(best.as_sse4_2().map(Level::Sse4_2));
-            levels.extend(best.as_sse2().map(Level::Sse2));
-        }
-        levels
-    }
 
     fn surfaces() -> Vec<(u32, Surface)> {
         let v = Vec3::new;
@@ -236,20 +231,20 @@ mod tests {
     #[test]
     fn twins_equal_their_slides_to_the_bit() {
         let rays = rays();
-        for level in levels() {
-            let list = SurfaceList::with_level(level, surfaces());
+        for unit in VectorUnit::available() {
+            let list = SurfaceList::with_unit(unit, surfaces());
             let mut hits = vec![None; rays.len()];
             let mut occluded = vec![false; rays.len()];
             list.closest(&rays, &mut hits);
             list.any(&rays, &mut occluded);
             for (i, ray) in rays.iter().enumerate() {
                 let expected = expected(ray);
-                assert_eq!(hits[i], expected, "{level:?}: {ray:?}");
+                assert_eq!(hits[i], expected, "{unit:?}: {ray:?}");
                 assert_eq!(
                     hits[i].map(|h| h.t.to_bits()),
                     expected.map(|h| h.t.to_bits())
                 );
-                assert_eq!(occluded[i], expected.is_some(), "{level:?}: {ray:?}");
+                assert_eq!(occluded[i], expected.is_some(), "{unit:?}: {ray:?}");
             }
         }
     }
