@@ -57,7 +57,7 @@ mod torus;
 mod triangle;
 
 pub use aabb::{Aabb, intersect_aabb};
-pub use bvh::Bvh;
+
 pub use cone::{Cone, intersect_cone};
 pub use cuboid::{Cuboid, intersect_cuboid};
 pub use cylinder::{Cylinder, intersect_cylinder};

@@ -1,6 +1,9 @@
 //! A triangle mesh made ready for rays.
 
-use crate::{Bvh, Ray, ShearedRay, Triangle, intersect_triangle_sheared};
+use crate::bvh::{Stack, Tree};
+use crate::simd::{LeafRay, TriangleLeaves};
+use crate::{Aabb, Ray, ShearedRay, Triangle, VectorUnit, intersect_triangle_sheared};
+use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
 /// How much time a build may take for faster rays.
@@ -41,67 +44,117 @@ pub struct MeshHit {
 /// The triangles of a mesh under a hierarchy of boxes.
 #[derive(Clone, Debug)]
 pub struct MeshBvh {
-    bvh: Bvh,
-    triangles: Vec<Triangle>,
+    tree: Tree,
+    leaves: TriangleLeaves,
+    /// Numbers of the triangles, leaf by leaf.
+    items: Vec<u32>,
+    dropped: usize,
+    unit: VectorUnit,
 }
 
 impl MeshBvh {
     /// Builds the hierarchy.
     pub fn build(positions: &[Vec3], indices: &[[u32; 3]], _quality: BuildQuality) -> Self {
-        let triangles: Vec<Triangle> = indices
-            .iter()
-            .map(|i| {
-                let [a, b, c] = i.map(|i| positions[i as usize]);
-                Triangle { a, b, c }
-            })
+        let triangle = |i: u32| {
+            let [a, b, c] = indices[i as usize].map(|i| positions[i as usize]);
+            Triangle { a, b, c }
+        };
+        let boxes: Vec<Aabb> = (0..indices.len() as u32).map(|i| triangle(i).bounds()).collect();
+        let mut items: Vec<u32> = (0..indices.len() as u32)
+            .filter(|&i| triangle(i).normal() != Vec3::ZERO)
             .collect();
-        let boxes: Vec<_> = triangles.iter().map(Triangle::bounds).collect();
-        Self {
-            bvh: Bvh::build(&boxes),
-            triangles,
+        let dropped = indices.len() - items.len();
+        let tree = Tree::build(&mut items, &boxes);
+        let mut leaves = TriangleLeaves::new(items.len());
+        for (first, n) in tree.leaves() {
+            let part: Vec<Triangle> = items[first..first + n].iter().map(|&i| triangle(i)).collect();
+            leaves.set(first, &part);
         }
+        Self {
+            tree,
+            leaves,
+            items,
+            dropped,
+            unit: VectorUnit::default(),
+        }
+    }
+
+    /// The same tree walked by another vector unit, for tests that all give the same hits.
+    pub fn with_unit(self, unit: VectorUnit) -> Self {
+        Self { unit, ..self }
     }
 
     /// Bytes on the heap.
     pub fn memory(&self) -> usize {
-        self.bvh.memory() + self.triangles.capacity() * size_of::<Triangle>()
+        self.tree.memory() + self.leaves.memory() + self.items.capacity() * size_of::<u32>()
     }
 
     /// Number of triangles that no ray can hit, because they have no area or a corner that is not finite.
     pub fn dropped(&self) -> usize {
-        0
+        self.dropped
     }
 
     /// The nearest hit of each ray.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<MeshHit>], _walk: Walk) {
-        for (ray, hit) in rays.iter().zip(hits) {
-            let mut best: Option<MeshHit> = None;
-            let sheared = ShearedRay::new(ray);
-            self.bvh.closest(&mut ray.clone(), |ray, i| {
-                if let Some(h) =
-                    intersect_triangle_sheared(&sheared, ray.t, &self.triangles[i as usize])
-                    && best.is_none_or(|b| h.t < b.t || i < b.primitive)
-                {
-                    ray.t.max = h.t;
-                    best = Some(MeshHit {
-                        primitive: i,
-                        t: h.t,
-                        u: h.u,
-                        v: h.v,
-                    });
-                }
-            });
-            *hit = best;
-        }
+        dispatch!(self.unit.level(), simd => {
+            let mut stack = Stack::default();
+            for (ray, hit) in rays.iter().zip(hits) {
+                *hit = self.closest(simd, ray, &mut stack);
+            }
+        });
     }
 
     /// Whether each ray meets any triangle.
     pub fn any_hits(&self, rays: &[Ray], occluded: &mut [bool], _walk: Walk) {
-        for (ray, occluded) in rays.iter().zip(occluded) {
-            let sheared = ShearedRay::new(ray);
-            *occluded = self.bvh.any(ray, |ray, i| {
-                intersect_triangle_sheared(&sheared, ray.t, &self.triangles[i as usize]).is_some()
-            });
-        }
+        dispatch!(self.unit.level(), simd => {
+            let mut stack = Stack::default();
+            for (ray, occluded) in rays.iter().zip(occluded) {
+                *occluded = self.any(simd, ray, &mut stack);
+            }
+        });
+    }
+
+    #[inline(always)]
+    fn closest<S: Simd>(&self, simd: S, ray: &Ray, stack: &mut Stack) -> Option<MeshHit> {
+        let mut best: Option<MeshHit> = None;
+        let sheared = ShearedRay::new(ray);
+        let leaf_ray = LeafRay::new(simd, &sheared);
+        self.tree.closest(simd, ray, stack, #[inline(always)] |leaf, t| {
+            let mut left = leaf_ray.candidates(simd, &self.leaves, leaf);
+            while left != 0 {
+                let i = left.trailing_zeros() as usize & 15;
+                left &= left - 1;
+                if let Some(h) = intersect_triangle_sheared(&sheared, *t, &self.leaves.triangle(leaf, i)) {
+                    let primitive = self.items[leaf.0 + i];
+                    if best.is_none_or(|b| h.t < b.t || primitive < b.primitive) {
+                        t.max = h.t;
+                        best = Some(MeshHit {
+                            primitive,
+                            t: h.t,
+                            u: h.u,
+                            v: h.v,
+                        });
+                    }
+                }
+            }
+        });
+        best
+    }
+
+    #[inline(always)]
+    fn any<S: Simd>(&self, simd: S, ray: &Ray, stack: &mut Stack) -> bool {
+        let sheared = ShearedRay::new(ray);
+        let leaf_ray = LeafRay::new(simd, &sheared);
+        self.tree.any(simd, ray, stack, #[inline(always)] |leaf| {
+            let mut left = leaf_ray.candidates(simd, &self.leaves, leaf);
+            while left != 0 {
+                let i = left.trailing_zeros() as usize & 15;
+                left &= left - 1;
+                if intersect_triangle_sheared(&sheared, ray.t, &self.leaves.triangle(leaf, i)).is_some() {
+                    return true;
+                }
+            }
+            false
+        })
     }
 }

@@ -113,6 +113,13 @@ impl ShearedRay {
         }
     }
 
+    /// The axes `kx`, `ky`, `kz`, the origin along them, and `d_kx / d_kz`, `d_ky / d_kz`.
+    #[inline(always)]
+    pub(crate) fn parts(&self) -> ([usize; 3], [f32; 3], [f32; 2]) {
+        let axes = [self.kx, self.ky, self.kz];
+        (axes, axes.map(|k| self.origin[k]), [self.s.x, self.s.y])
+    }
+
     /// A corner as seen from the ray: moved, permuted and sheared, with `z` along `kz` not yet
     /// scaled to `t`.
     #[inline]
@@ -129,6 +136,9 @@ impl ShearedRay {
 /// The composition of [`ShearedRay::new`], once a ray, and [`intersect_triangle_sheared`].
 #[inline]
 pub fn intersect_triangle_watertight(ray: &Ray, triangle: &Triangle) -> Option<TriangleHit> {
+    if triangle.normal() == Vec3::ZERO {
+        return None;
+    }
     intersect_triangle_sheared(&ShearedRay::new(ray), ray.t, triangle)
 }
 
@@ -142,10 +152,11 @@ pub fn intersect_triangle_watertight(ray: &Ray, triangle: &Triangle) -> Option<T
 /// ```
 /// The ray hits where the three do not differ in sign. Rounding never flips the sign of a
 /// difference of two products but to zero, and f64 decides a zero exactly: neighbours that share an edge
-/// agree on its side. A degenerate triangle is a miss.
+/// agree on its side. f64 also steps in where cancellation would spoil `t` (`is_ill_conditioned`).
 ///
-/// A `t` that is not greater than the bound of its own rounding error is a miss too, so that a ray
-/// does not hit the triangle it starts on (`least_t`).
+/// A `t` that is not greater than the bound of its own rounding error is a miss, so that a ray
+/// does not hit the triangle it starts on (`least_distance`). The triangle must have an area: rounding gives one to
+/// triangles without, which the caller leaves out, as [`MeshBvh`](crate::MeshBvh) does.
 ///
 /// Source: Woop, Benthin & Wald, "Watertight Ray/Triangle Intersection", Journal of Computer
 /// Graphics Techniques 2(1), 2013.
@@ -164,7 +175,9 @@ pub fn intersect_triangle_sheared(
         a.x * c.y - a.y * c.x,
         b.x * a.y - b.y * a.x,
     );
-    if e.x == 0.0 || e.y == 0.0 || e.z == 0.0 {
+    let reach = a.abs().max(b.abs()).max(c.abs());
+    let depth = a.z.max(b.z).max(c.z) - a.z.min(b.z).min(c.z);
+    if e.x == 0.0 || e.y == 0.0 || e.z == 0.0 || is_ill_conditioned(reach, depth, e.x + e.y + e.z) {
         e = Vec3::new(edge_f64(c, b), edge_f64(a, c), edge_f64(b, a));
     }
     if e.min_element() < 0.0 && e.max_element() > 0.0 {
@@ -174,12 +187,10 @@ pub fn intersect_triangle_sheared(
     if det == 0.0 {
         return None;
     }
-    let z = (e.x * a.z + e.y * b.z + e.z * c.z) / det;
-    let hit_t = z * ray.s.z;
-    if !(hit_t > least_t(a, b, c, e, det) * ray.s.z.abs() && t.contains(hit_t)) {
-        return None;
-    }
-    if triangle.normal() == Vec3::ZERO {
+    let sum = e.x * a.z + e.y * b.z + e.z * c.z;
+    let hit_t = sum / det * ray.s.z;
+    let ahead = if (det < 0.0) == (ray.s.z < 0.0) { sum } else { -sum };
+    if !(ahead > least_distance(reach, e) && t.contains(hit_t)) {
         return None;
     }
     let u = e.y / det;
@@ -189,31 +200,40 @@ pub fn intersect_triangle_sheared(
 }
 
 /// `px qy − py qx` of two f32 pairs; the products are exact in f64, so the sign is.
-#[cold]
 fn edge_f64(p: Vec3, q: Vec3) -> f32 {
     (f64::from(p.x) * f64::from(q.y) - f64::from(p.y) * f64::from(q.x)) as f32
 }
 
-/// Bounds the rounding error of the distance along `kz`; a hit nearer than that may be the start itself.
+/// Tells whether the rounding of edge functions in f32 could move the hit by more than the boxes around it allow for.
+///
+/// Each edge function is off by `2u x y` at most, with the greatest absolute coordinates `x`, `y`, `z` of the sheared corners
+/// and the unit roundoff `u`; so the hit is off by `6u x y s / |U + V + W|`, with `s` the triangle's extent. It is held
+/// below `6u · 16 z`.
+#[inline(always)]
+fn is_ill_conditioned(reach: Vec3, depth: f32, det: f32) -> bool {
+    let spread = reach.x.max(reach.y).max(depth);
+    !(reach.x * reach.y * spread <= 16.0 * det.abs() * reach.z)
+}
+
+/// Bounds the rounding error of `|U Az + V Bz + W Cz|`; a hit nearer than that may be the start itself.
 ///
 /// With the greatest absolute coordinates `x`, `y`, `z` of the sheared corners and `e` of the edge
 /// functions
 /// ```text
 /// δz = γ₃ z      δx = γ₅ (x + z)      δy = γ₅ (y + z)
 /// δe = 2 (γ₂ x y + δy x + δx y)
-/// δt = 3 (γ₃ e z + δe z + δz e) / |U + V + W|
+/// δ  = 3 (γ₃ e z + δe z + δz e)
 /// ```
 /// Source: Pharr, Jakob & Humphreys, "Physically Based Rendering", 4th ed., 2023, section 6.8
 /// "Managing Rounding Error".
-#[inline]
-fn least_t(a: Vec3, b: Vec3, c: Vec3, e: Vec3, det: f32) -> f32 {
-    let reach = a.abs().max(b.abs()).max(c.abs());
+#[inline(always)]
+fn least_distance(reach: Vec3, e: Vec3) -> f32 {
     let e = e.abs().max_element();
     let error_z = gamma(3) * reach.z;
     let error_x = gamma(5) * (reach.x + reach.z);
     let error_y = gamma(5) * (reach.y + reach.z);
     let error_e = 2.0 * (gamma(2) * reach.x * reach.y + error_y * reach.x + error_x * reach.y);
-    3.0 * (gamma(3) * e * reach.z + error_e * reach.z + error_z * e) / det.abs()
+    3.0 * (gamma(3) * e * reach.z + error_e * reach.z + error_z * e)
 }
 
 #[cfg(test)]

@@ -1,29 +1,31 @@
 //! The builder: a binary tree by the surface area heuristic, folded into nodes of four.
 
-use super::node::{Child, INNER, Node};
 use crate::Aabb;
 use glam::Vec3;
 
+/// Marks a child that is a node.
+pub(crate) const INNER: u32 = u32::MAX;
 /// Most items in a leaf that the surface area heuristic did not want divided.
-const MAX_LEAF: usize = 4;
+const MAX_LEAF: usize = 16;
+const BLOCK: u32 = 16;
 /// Candidate splits per axis are the bounds of this many bins.
 const BINS: usize = 16;
 /// Cost of visiting a node over the cost of testing an item.
 const NODE_COST: f32 = 1.0;
 /// Below this depth every split halves the items, so that no input makes a tree deeper than the stack.
-pub(super) const SAH_DEPTH: usize = 32;
+pub(crate) const SAH_DEPTH: usize = 32;
 
 /// A node of the binary tree that the build begins with. An inner node's children stand side by side
 /// at `first` and `first + 1`; a leaf's items at `first..first + count`.
-pub(super) struct BinaryNode {
-    pub(super) aabb: Aabb,
-    pub(super) first: u32,
+pub(crate) struct BinaryNode {
+    pub(crate) aabb: Aabb,
+    pub(crate) first: u32,
     /// Number of items; [`INNER`] for an inner node.
-    pub(super) count: u32,
+    pub(crate) count: u32,
 }
 
 /// A binary tree over the boxes of `items`, which are put in the order of its leaves; the first node is the root.
-pub(super) fn build_binary(items: &mut [u32], boxes: &[Aabb]) -> Vec<BinaryNode> {
+pub(crate) fn build_binary(items: &mut [u32], boxes: &[Aabb]) -> Vec<BinaryNode> {
     let centers: Vec<Vec3> = boxes.iter().map(|b| b.center()).collect();
     let around = |part: &[u32]| {
         part.iter()
@@ -58,53 +60,6 @@ pub(super) fn build_binary(items: &mut [u32], boxes: &[Aabb]) -> Vec<BinaryNode>
     nodes
 }
 
-/// Folds a binary tree into one of four children a node, in depth-first order.
-pub(super) fn fold(binary: &[BinaryNode]) -> Vec<Node> {
-    let mut nodes = Vec::with_capacity(binary.len() / 3 + 1);
-    // Which binary node stands for which child of which node; the root is nobody's child.
-    let mut open = vec![(0, None)];
-    while let Some((top, parent)) = open.pop() {
-        let number = nodes.len();
-        if let Some((node, place)) = parent {
-            let node: &mut Node = &mut nodes[node];
-            node.children[place] = Child {
-                first: number as u32,
-                count: INNER,
-            };
-        }
-        let members = gather(binary, top);
-        let mut node = Node::EMPTY;
-        for (place, &member) in members.iter().enumerate() {
-            node.set(place, &binary[member]);
-            if binary[member].count == INNER {
-                open.push((member, Some((number, place))));
-            }
-        }
-        nodes.push(node);
-    }
-    nodes
-}
-
-/// At most four descendants of `top` that together hold all of its items: the largest is opened first.
-fn gather(binary: &[BinaryNode], top: usize) -> Vec<usize> {
-    let mut members = vec![top];
-    while members.len() < 4 {
-        let inner = |&&m: &&usize| binary[m].count == INNER;
-        let area = |&&m: &&usize| binary[m].aabb.half_area();
-        let Some(&largest) = members
-            .iter()
-            .filter(inner)
-            .max_by(|a, b| area(a).total_cmp(&area(b)))
-        else {
-            break;
-        };
-        let children = binary[largest].first as usize;
-        members.retain(|&m| m != largest);
-        members.extend([children, children + 1]);
-    }
-    members
-}
-
 /// Orders `part` into a left and a right half; gives the number of items on the left, or `None` where a leaf is better.
 fn split(
     part: &mut [u32],
@@ -123,7 +78,7 @@ fn split(
         .flatten();
     if let Some(plane) = best {
         let split_cost = NODE_COST + plane.cost / aabb.half_area();
-        if n <= MAX_LEAF && !(split_cost < n as f32) {
+        if n <= MAX_LEAF && !(split_cost < (n as u32).div_ceil(BLOCK) as f32) {
             return None;
         }
         let left = partition(part, |&i| {
@@ -143,6 +98,10 @@ fn split(
             .then(a.cmp(&b))
     });
     Some(middle as u32)
+}
+
+fn blocks(count: u32) -> f32 {
+    count.div_ceil(BLOCK) as f32
 }
 
 /// The plane behind bin `bin` along `axis`, with `Aₗ nₗ + Aᵣ nᵣ`.
@@ -170,7 +129,7 @@ fn best_plane(part: &[u32], boxes: &[Aabb], centers: &[Vec3], spread: Aabb) -> O
         for b in (1..BINS).rev() {
             aabb = aabb.union(bins[b].0);
             count += bins[b].1;
-            right_cost[b] = (count > 0).then(|| aabb.half_area() * count as f32);
+            right_cost[b] = (count > 0).then(|| aabb.half_area() * blocks(count));
         }
         let (mut aabb, mut count) = (Aabb::EMPTY, 0);
         for b in 0..BINS - 1 {
@@ -179,7 +138,7 @@ fn best_plane(part: &[u32], boxes: &[Aabb], centers: &[Vec3], spread: Aabb) -> O
             let Some(right) = right_cost[b + 1].filter(|_| count > 0) else {
                 continue;
             };
-            let cost = aabb.half_area() * count as f32 + right;
+            let cost = aabb.half_area() * blocks(count) + right;
             if best.as_ref().is_none_or(|best| cost < best.cost) {
                 best = Some(Plane { axis, bin: b, cost });
             }

@@ -80,6 +80,11 @@ impl VectorUnit {
         levels.into_iter().map(Self).collect()
     }
 
+    #[inline(always)]
+    pub(crate) fn level(self) -> Level {
+        self.0
+    }
+
     /// Runs `work` in the copy that was compiled for this unit.
     ///
     /// Only what is inlined into `work` is compiled for the unit, so the loops in it and the formulas in them

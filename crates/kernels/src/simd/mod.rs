@@ -5,8 +5,12 @@
 //! contracts none, so the results are equal to the bit on every instruction set.
 
 mod block;
+mod box_ray;
 mod lanes;
 mod surface_list;
+mod triangle_leaf;
 
+pub(crate) use box_ray::BoxRay;
 pub use lanes::{LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit, whole_vectors};
 pub use surface_list::SurfaceList;
+pub(crate) use triangle_leaf::{LeafRay, TriangleLeaves};

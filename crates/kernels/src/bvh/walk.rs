@@ -1,0 +1,141 @@
+//! How one ray walks the tree.
+
+use super::node::Child;
+use super::Tree;
+use crate::simd::BoxRay;
+use crate::{Interval, Ray};
+use fearless_simd::{Simd, f32x16, prelude::*};
+
+/// Places on the stack: 64 levels, each leaving at most fifteen of its sixteen children.
+const PLACES: usize = 1024;
+
+/// Children still to be visited, and where the ray enters them. Kept from ray to ray.
+#[derive(Clone, Debug)]
+pub(crate) struct Stack(Box<[(f32, Child); PLACES]>);
+
+impl Default for Stack {
+    fn default() -> Self {
+        Self(Box::new([(0.0, Child::NOTHING); PLACES]))
+    }
+}
+
+impl Tree {
+    /// Calls `leaf` with the range of items of every leaf whose box the ray meets, nearer boxes first.
+    ///
+    /// `leaf` lowers the end of the interval when it finds a hit, so that boxes behind it are skipped. Boxes that begin exactly there
+    /// are still visited: among hits at equal `t` the closure applies its own rule.
+    #[inline(always)]
+    pub(crate) fn closest<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        stack: &mut Stack,
+        mut leaf: impl FnMut((usize, usize), &mut Interval),
+    ) {
+        if self.nodes.is_empty() || !is_sound(ray) {
+            return;
+        }
+        let box_ray = BoxRay::new(simd, ray, self.bounds);
+        let stack = &mut *stack.0;
+        let mut t = ray.t;
+        let mut t_max = f32x16::splat(simd, t.max);
+        let mut top = 0;
+        let mut child = Child::ROOT;
+        loop {
+            if child.is_leaf() {
+                leaf(child.items(), &mut t);
+                t_max = f32x16::splat(simd, t.max);
+            } else {
+                let node = &self.nodes[child.0 as usize];
+                let (mut hits, t_near) = box_ray.meet(simd, node, t_max);
+                if hits != 0 {
+                    let first = hits.trailing_zeros() as usize & 15;
+                    hits &= hits - 1;
+                    if hits == 0 {
+                        child = node.children[first];
+                        continue;
+                    }
+                    let t_near: [f32; 16] = t_near.into();
+                    let base = top;
+                    let mut nearest = (t_near[first], node.children[first]);
+                    while hits != 0 {
+                        let i = hits.trailing_zeros() as usize & 15;
+                        hits &= hits - 1;
+                        let mut entry = (t_near[i], node.children[i]);
+                        if entry.0 < nearest.0 {
+                            (entry, nearest) = (nearest, entry);
+                        }
+                        // Insertion from the top: the nearest comes to lie uppermost.
+                        let mut place = top;
+                        while place > base && stack[(place - 1) % PLACES].0 < entry.0 {
+                            stack[place % PLACES] = stack[(place - 1) % PLACES];
+                            place -= 1;
+                        }
+                        stack[place % PLACES] = entry;
+                        top += 1;
+                    }
+                    child = nearest.1;
+                    continue;
+                }
+            }
+            // The ray may have been shortened since a box was found.
+            loop {
+                if top == 0 {
+                    return;
+                }
+                top -= 1;
+                let (t_near, next) = stack[top % PLACES];
+                if t_near <= t.max {
+                    child = next;
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Tells whether `leaf` says true for any leaf whose box the ray meets; stops at the first.
+    #[inline(always)]
+    pub(crate) fn any<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        stack: &mut Stack,
+        mut leaf: impl FnMut((usize, usize)) -> bool,
+    ) -> bool {
+        if self.nodes.is_empty() || !is_sound(ray) {
+            return false;
+        }
+        let box_ray = BoxRay::new(simd, ray, self.bounds);
+        let stack = &mut *stack.0;
+        let t_max = f32x16::splat(simd, ray.t.max);
+        let mut top = 0;
+        let mut child = Child::ROOT;
+        loop {
+            if child.is_leaf() {
+                if leaf(child.items()) {
+                    return true;
+                }
+            } else {
+                let node = &self.nodes[child.0 as usize];
+                let (mut hits, _) = box_ray.meet(simd, node, t_max);
+                while hits != 0 {
+                    let i = hits.trailing_zeros() as usize & 15;
+                    hits &= hits - 1;
+                    stack[top % PLACES].1 = node.children[i];
+                    top += 1;
+                }
+            }
+            if top == 0 {
+                return false;
+            }
+            top -= 1;
+            child = stack[top % PLACES].1;
+        }
+    }
+}
+
+/// Tells whether the ray is finite and goes somewhere; no other ray hits anything.
+#[inline(always)]
+fn is_sound(ray: &Ray) -> bool {
+    ray.origin.is_finite() && ray.dir.is_finite() && (1.0 / ray.dir.abs().max_element()).is_finite()
+}

@@ -1,0 +1,99 @@
+//! A ray against the triangles of a leaf, all at once.
+
+use crate::{ShearedRay, Triangle};
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::Vec3;
+
+/// The corners of the triangles of all leaves. A leaf of `n` triangles beginning with item `first` has nine rows of `n` numbers,
+/// from `9·first` on: a.x, a.y, a.z, b.x, ... c.z.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct TriangleLeaves {
+    rows: Vec<f32>,
+}
+
+/// What the last leaf's vectors read beyond its end.
+const PADDING: usize = 16;
+
+impl TriangleLeaves {
+    /// Room for `items` triangles.
+    pub(crate) fn new(items: usize) -> Self {
+        Self {
+            rows: vec![0.0; 9 * items + PADDING],
+        }
+    }
+
+    /// Writes the triangles of one leaf.
+    pub(crate) fn set(&mut self, first: usize, triangles: &[Triangle]) {
+        let n = triangles.len();
+        let rows = &mut self.rows[9 * first..9 * (first + n)];
+        for (i, triangle) in triangles.iter().enumerate() {
+            for (corner, p) in [triangle.a, triangle.b, triangle.c].into_iter().enumerate() {
+                for axis in 0..3 {
+                    rows[(3 * corner + axis) * n + i] = p[axis];
+                }
+            }
+        }
+    }
+
+    /// Triangle `i` of a leaf.
+    #[inline(always)]
+    pub(crate) fn triangle(&self, (first, n): (usize, usize), i: usize) -> Triangle {
+        let rows = &self.rows[9 * first..9 * (first + n)];
+        let corner =
+            |k: usize| Vec3::new(rows[3 * k * n + i], rows[(3 * k + 1) * n + i], rows[(3 * k + 2) * n + i]);
+        Triangle {
+            a: corner(0),
+            b: corner(1),
+            c: corner(2),
+        }
+    }
+
+    pub(crate) fn memory(&self) -> usize {
+        self.rows.capacity() * size_of::<f32>()
+    }
+}
+
+/// A sheared ray, each constant in all lanes.
+pub(crate) struct LeafRay<S: Simd> {
+    axes: [usize; 3],
+    origin: [f32x16<S>; 3],
+    shear: [f32x16<S>; 2],
+}
+
+impl<S: Simd> LeafRay<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, ray: &ShearedRay) -> Self {
+        let (axes, origin, shear) = ray.parts();
+        Self {
+            axes,
+            origin: origin.map(|x| f32x16::splat(simd, x)),
+            shear: shear.map(|x| f32x16::splat(simd, x)),
+        }
+    }
+
+    /// A bit for each triangle of a leaf that the ray's line may hit.
+    ///
+    /// The signs of the edge functions, in f32 and in the order of [`intersect_triangle_sheared`](crate::intersect_triangle_sheared):
+    /// rounding turns no sign around, so a triangle is left out only where two of them truly differ. The slide decides
+    /// about the rest.
+    #[inline(always)]
+    pub(crate) fn candidates(&self, simd: S, leaves: &TriangleLeaves, (first, n): (usize, usize)) -> u32 {
+        let rows = &leaves.rows[9 * first..9 * (first + n) + PADDING];
+        let row = |corner: usize, axis: usize| {
+            f32x16::<S>::from_slice(simd, &rows[(3 * corner + self.axes[axis]) * n..][..16])
+        };
+        let shear = |corner: usize| {
+            let z = row(corner, 2) - self.origin[2];
+            let x = (row(corner, 0) - self.origin[0]) - self.shear[0] * z;
+            let y = (row(corner, 1) - self.origin[1]) - self.shear[1] * z;
+            (x, y)
+        };
+        let ((ax, ay), (bx, by), (cx, cy)) = (shear(0), shear(1), shear(2));
+        let u = cx * by - cy * bx;
+        let v = ax * cy - ay * cx;
+        let w = bx * ay - by * ax;
+        let zero = f32x16::splat(simd, 0.0);
+        let differ = u.min(v).min(w).simd_lt(zero) & u.max(v).max(w).simd_gt(zero);
+        !(differ.to_bitmask() as u32) & ((1 << n) - 1)
+    }
+}
