@@ -1,8 +1,8 @@
 //! A triangle mesh made ready for rays.
 
-use crate::bvh::{Stack, Tree};
-use crate::simd::{LeafRay, TriangleLeaves};
-use crate::{Aabb, Ray, ShearedRay, Triangle, VectorUnit, intersect_triangle_sheared};
+use crate::bvh::{Child, PacketStack, Stack, Tree, Visit};
+use crate::simd::{LeafRay, PacketBoxes, PacketLeaf, RAYS, Rays16, TriangleLeaves};
+use crate::{Aabb, Interval, Ray, ShearedRay, Triangle, TriangleHit, VectorUnit, intersect_triangle_sheared};
 use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
 
@@ -95,31 +95,187 @@ impl MeshBvh {
     }
 
     /// The nearest hit of each ray.
-    pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<MeshHit>], _walk: Walk) {
+    pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<MeshHit>], walk: Walk) {
         dispatch!(self.unit.level(), simd => {
-            let mut stack = Stack::default();
-            for (ray, hit) in rays.iter().zip(hits) {
-                *hit = self.closest(simd, ray, &mut stack);
+            let mut stacks = Stacks::default();
+            if walk == Walk::Packets {
+                for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
+                    self.closest_16(simd, rays, hits, &mut stacks);
+                }
+            } else {
+                for (ray, hit) in rays.iter().zip(hits) {
+                    *hit = None;
+                    self.closest(simd, ray, Child::ROOT, hit, &mut stacks.single);
+                }
             }
         });
     }
 
     /// Whether each ray meets any triangle.
-    pub fn any_hits(&self, rays: &[Ray], occluded: &mut [bool], _walk: Walk) {
+    pub fn any_hits(&self, rays: &[Ray], occluded: &mut [bool], walk: Walk) {
         dispatch!(self.unit.level(), simd => {
-            let mut stack = Stack::default();
-            for (ray, occluded) in rays.iter().zip(occluded) {
-                *occluded = self.any(simd, ray, &mut stack);
+            let mut stacks = Stacks::default();
+            if walk == Walk::Packets {
+                for (rays, hits) in rays.chunks(RAYS).zip(occluded.chunks_mut(RAYS)) {
+                    self.any_16(simd, rays, hits, &mut stacks);
+                }
+            } else {
+                for (ray, occluded) in rays.iter().zip(occluded) {
+                    *occluded = self.any(simd, ray, Child::ROOT, &mut stacks.single);
+                }
             }
         });
     }
 
     #[inline(always)]
-    fn closest<S: Simd>(&self, simd: S, ray: &Ray, stack: &mut Stack) -> Option<MeshHit> {
-        let mut best: Option<MeshHit> = None;
+    fn closest_16<S: Simd>(&self, simd: S, rays: &[Ray], hits: &mut [Option<MeshHit>], stacks: &mut Stacks) {
+        hits.fill(None);
+        let lanes = Rays16::new(simd, rays);
+        let ways = lanes.ways();
+        let mut left = ways.sound & ((1_u64 << rays.len()) - 1) as u32;
+        while left != 0 {
+            let (way, same) = ways.like(left.trailing_zeros());
+            let mut members = left & same;
+            left &= !members;
+            let boxes = PacketBoxes::new(simd, &lanes, way, members, self.tree.bounds());
+            let mut alone = members & !boxes.sound;
+            members &= boxes.sound;
+            if members.count_ones() < 4 {
+                alone |= members;
+                members = 0;
+            }
+            while alone != 0 {
+                let i = alone.trailing_zeros() as usize & 15;
+                alone &= alone - 1;
+                self.closest(simd, &rays[i], Child::ROOT, &mut hits[i], &mut stacks.single);
+            }
+            if members == 0 {
+                continue;
+            }
+            let leaf = PacketLeaf::new(simd, &lanes, way);
+            let mut t_max = lanes.t_max;
+            self.tree.walk_packet(&boxes, &mut members, &mut t_max, &mut stacks.packet, #[inline(always)] |visit, _, t_max, here| match visit {
+                Visit::Alone(child) => {
+                    let mut here = here;
+                    while here != 0 {
+                        let i = here.trailing_zeros() as usize & 15;
+                        here &= here - 1;
+                        let mut ray = rays[i];
+                        ray.t.max = t_max[i];
+                        self.closest(simd, &ray, child, &mut hits[i], &mut stacks.single);
+                        if let Some(hit) = hits[i] {
+                            t_max[i] = hit.t;
+                        }
+                    }
+                }
+                Visit::Leaf(items) => {
+                    for k in 0..items.1 {
+                        let triangle = self.leaves.triangle(items, k);
+                        let Some(found) = leaf.meet(&triangle, here, *t_max) else {
+                            continue;
+                        };
+                        let primitive = self.items[items.0 + k];
+                        let mut unsure = found.unsure;
+                        while unsure != 0 {
+                            let i = unsure.trailing_zeros() as usize & 15;
+                            unsure &= unsure - 1;
+                            let ray = &rays[i];
+                            let t = hits[i].map_or(ray.t, |h| Interval { max: h.t, ..ray.t });
+                            if let Some(h) = intersect_triangle_sheared(&ShearedRay::new(ray), t, &triangle) {
+                                accept(&mut hits[i], &mut t_max[i], primitive, h);
+                            }
+                        }
+                        if found.hit != 0 {
+                            let (u, v) = found.weights(simd);
+                            let (t, u, v): ([f32; 16], [f32; 16], [f32; 16]) = (found.t.into(), u.into(), v.into());
+                            let mut hit = found.hit;
+                            while hit != 0 {
+                                let i = hit.trailing_zeros() as usize & 15;
+                                hit &= hit - 1;
+                                accept(&mut hits[i], &mut t_max[i], primitive, TriangleHit { t: t[i], u: u[i], v: v[i] });
+                            }
+                        }
+                    }
+                }
+            });
+        }
+    }
+
+    #[inline(always)]
+    fn any_16<S: Simd>(&self, simd: S, rays: &[Ray], hits: &mut [bool], stacks: &mut Stacks) {
+        hits.fill(false);
+        let lanes = Rays16::new(simd, rays);
+        let ways = lanes.ways();
+        let mut left = ways.sound & ((1_u64 << rays.len()) - 1) as u32;
+        while left != 0 {
+            let (way, same) = ways.like(left.trailing_zeros());
+            let mut members = left & same;
+            left &= !members;
+            let boxes = PacketBoxes::new(simd, &lanes, way, members, self.tree.bounds());
+            let mut alone = members & !boxes.sound;
+            members &= boxes.sound;
+            if members.count_ones() < 4 {
+                alone |= members;
+                members = 0;
+            }
+            while alone != 0 {
+                let i = alone.trailing_zeros() as usize & 15;
+                alone &= alone - 1;
+                hits[i] = self.any(simd, &rays[i], Child::ROOT, &mut stacks.single);
+            }
+            if members == 0 {
+                continue;
+            }
+            let leaf = PacketLeaf::new(simd, &lanes, way);
+            let mut t_max = lanes.t_max;
+            self.tree.walk_packet(&boxes, &mut members, &mut t_max, &mut stacks.packet, #[inline(always)] |visit, members, t_max, here| {
+                let mut here = here;
+                match visit {
+                    Visit::Alone(child) => {
+                        while here != 0 {
+                            let i = here.trailing_zeros() as usize & 15;
+                            here &= here - 1;
+                            hits[i] = self.any(simd, &rays[i], child, &mut stacks.single);
+                            *members &= !(u32::from(hits[i]) << i);
+                        }
+                    }
+                    Visit::Leaf(items) => {
+                        for k in 0..items.1 {
+                            let triangle = self.leaves.triangle(items, k);
+                            let Some(found) = leaf.meet(&triangle, here, *t_max) else {
+                                continue;
+                            };
+                            let mut done = found.hit;
+                            let mut unsure = found.unsure;
+                            while unsure != 0 {
+                                let i = unsure.trailing_zeros() as usize & 15;
+                                unsure &= unsure - 1;
+                                let ray = &rays[i];
+                                if intersect_triangle_sheared(&ShearedRay::new(ray), ray.t, &triangle).is_some() {
+                                    done |= 1 << i;
+                                }
+                            }
+                            here &= !done;
+                            *members &= !done;
+                            while done != 0 {
+                                hits[done.trailing_zeros() as usize & 15] = true;
+                                done &= done - 1;
+                            }
+                            if here == 0 {
+                                break;
+                            }
+                        }
+                    }
+                }
+            });
+        }
+    }
+
+    #[inline(always)]
+    fn closest<S: Simd>(&self, simd: S, ray: &Ray, from: Child, best: &mut Option<MeshHit>, stack: &mut Stack) {
         let sheared = ShearedRay::new(ray);
         let leaf_ray = LeafRay::new(simd, &sheared);
-        self.tree.closest(simd, ray, stack, #[inline(always)] |leaf, t| {
+        self.tree.closest(simd, ray, from, stack, #[inline(always)] |leaf, t| {
             let mut left = leaf_ray.candidates(simd, &self.leaves, leaf);
             while left != 0 {
                 let i = left.trailing_zeros() as usize & 15;
@@ -128,7 +284,7 @@ impl MeshBvh {
                     let primitive = self.items[leaf.0 + i];
                     if best.is_none_or(|b| h.t < b.t || primitive < b.primitive) {
                         t.max = h.t;
-                        best = Some(MeshHit {
+                        *best = Some(MeshHit {
                             primitive,
                             t: h.t,
                             u: h.u,
@@ -138,14 +294,13 @@ impl MeshBvh {
                 }
             }
         });
-        best
     }
 
     #[inline(always)]
-    fn any<S: Simd>(&self, simd: S, ray: &Ray, stack: &mut Stack) -> bool {
+    fn any<S: Simd>(&self, simd: S, ray: &Ray, from: Child, stack: &mut Stack) -> bool {
         let sheared = ShearedRay::new(ray);
         let leaf_ray = LeafRay::new(simd, &sheared);
-        self.tree.any(simd, ray, stack, #[inline(always)] |leaf| {
+        self.tree.any(simd, ray, from, stack, #[inline(always)] |leaf| {
             let mut left = leaf_ray.candidates(simd, &self.leaves, leaf);
             while left != 0 {
                 let i = left.trailing_zeros() as usize & 15;
@@ -156,5 +311,26 @@ impl MeshBvh {
             }
             false
         })
+    }
+}
+
+/// Stacks of the walks, kept from ray to ray.
+#[derive(Default)]
+struct Stacks {
+    single: Stack,
+    packet: PacketStack,
+}
+
+/// Nearer wins; at equal `t` the lower number.
+#[inline(always)]
+fn accept(best: &mut Option<MeshHit>, t_max: &mut f32, primitive: u32, h: TriangleHit) {
+    if best.is_none_or(|b| h.t < b.t || (h.t == b.t && primitive < b.primitive)) {
+        *t_max = h.t;
+        *best = Some(MeshHit {
+            primitive,
+            t: h.t,
+            u: h.u,
+            v: h.v,
+        });
     }
 }

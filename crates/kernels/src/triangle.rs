@@ -229,6 +229,7 @@ fn is_ill_conditioned(reach: Vec3, depth: f32, det: f32) -> bool {
 #[inline(always)]
 fn least_distance(reach: Vec3, e: Vec3) -> f32 {
     let e = e.abs().max_element();
+    // In the order of the twin in `simd`.
     let error_z = gamma(3) * reach.z;
     let error_x = gamma(5) * (reach.x + reach.z);
     let error_y = gamma(5) * (reach.y + reach.z);

@@ -3,12 +3,14 @@
 mod build;
 mod fold;
 mod node;
+mod packet_walk;
 mod walk;
 
 use crate::Aabb;
 use build::build_binary;
 use fold::fold;
 pub(crate) use node::{Child, Node, WIDTH};
+pub(crate) use packet_walk::{PacketStack, Visit};
 pub(crate) use walk::Stack;
 
 /// The boxes of a hierarchy; what its leaves' items are is the owner's business.

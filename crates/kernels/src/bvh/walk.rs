@@ -7,7 +7,7 @@ use crate::{Interval, Ray};
 use fearless_simd::{Simd, f32x16, prelude::*};
 
 /// Places on the stack: 64 levels, each leaving at most fifteen of its sixteen children.
-const PLACES: usize = 1024;
+pub(super) const PLACES: usize = 1024;
 
 /// Children still to be visited, and where the ray enters them. Kept from ray to ray.
 #[derive(Clone, Debug)]
@@ -20,7 +20,7 @@ impl Default for Stack {
 }
 
 impl Tree {
-    /// Calls `leaf` with the range of items of every leaf whose box the ray meets, nearer boxes first.
+    /// Calls `leaf` with the range of items of every leaf under `from` whose box the ray meets, nearer boxes first.
     ///
     /// `leaf` lowers the end of the interval when it finds a hit, so that boxes behind it are skipped. Boxes that begin exactly there
     /// are still visited: among hits at equal `t` the closure applies its own rule.
@@ -29,6 +29,7 @@ impl Tree {
         &self,
         simd: S,
         ray: &Ray,
+        from: Child,
         stack: &mut Stack,
         mut leaf: impl FnMut((usize, usize), &mut Interval),
     ) {
@@ -40,7 +41,7 @@ impl Tree {
         let mut t = ray.t;
         let mut t_max = f32x16::splat(simd, t.max);
         let mut top = 0;
-        let mut child = Child::ROOT;
+        let mut child = from;
         loop {
             if child.is_leaf() {
                 leaf(child.items(), &mut t);
@@ -99,6 +100,7 @@ impl Tree {
         &self,
         simd: S,
         ray: &Ray,
+        from: Child,
         stack: &mut Stack,
         mut leaf: impl FnMut((usize, usize)) -> bool,
     ) -> bool {
@@ -109,7 +111,7 @@ impl Tree {
         let stack = &mut *stack.0;
         let t_max = f32x16::splat(simd, ray.t.max);
         let mut top = 0;
-        let mut child = Child::ROOT;
+        let mut child = from;
         loop {
             if child.is_leaf() {
                 if leaf(child.items()) {

@@ -3,7 +3,6 @@
 use crate::bvh::{Node, WIDTH};
 use crate::{Aabb, Ray};
 use fearless_simd::{Simd, f32x16, prelude::*};
-use glam::Vec3;
 
 /// A ray as the slab test wants it: `t = plane·scale − shift`, apart for the near and the far planes, with all
 /// that rounding may do moved into the constants.
@@ -40,7 +39,7 @@ struct Axis<S: Simd> {
 }
 
 /// Half of an ulp of 1.
-const U: f32 = f32::EPSILON / 2.0;
+pub(super) const U: f32 = f32::EPSILON / 2.0;
 
 impl<S: Simd> BoxRay<S> {
     /// The constants for a tree with these bounds. The ray must be finite, with a direction that is not zero.
