@@ -160,7 +160,7 @@ pub fn intersect_triangle_watertight(ray: &Ray, triangle: &Triangle) -> Option<T
 ///
 /// Source: Woop, Benthin & Wald, "Watertight Ray/Triangle Intersection", Journal of Computer
 /// Graphics Techniques 2(1), 2013.
-#[inline]
+#[inline(always)]
 pub fn intersect_triangle_sheared(
     ray: &ShearedRay,
     t: Interval,

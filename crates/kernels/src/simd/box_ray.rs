@@ -1,8 +1,9 @@
 //! A ray prepared for boxes: the test against the sixteen boxes of a node.
 
-use crate::bvh::{Node, WIDTH};
+use crate::bvh::Node;
 use crate::{Aabb, Ray};
 use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::Vec3;
 
 /// A ray as the slab test wants it: `t = plane·scale − shift`, apart for the near and the far planes, with all
 /// that rounding may do moved into the constants.
@@ -24,18 +25,17 @@ use fearless_simd::{Simd, f32x16, prelude::*};
 /// Source: Woop, Benthin & Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, section 3.4 (the moved origins);
 /// Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 pub(crate) struct BoxRay<S: Simd> {
-    near: [Axis<S>; 3],
-    far: [Axis<S>; 3],
-    /// Which of the node's bounds are met first and last.
-    near_bounds: [usize; 3],
-    far_bounds: [usize; 3],
+    near: [Planes<S>; 3],
+    far: [Planes<S>; 3],
     t_min: f32x16<S>,
 }
 
-#[derive(Clone, Copy)]
-struct Axis<S: Simd> {
+/// The planes on one side of the boxes along one axis.
+struct Planes<S: Simd> {
     scale: f32x16<S>,
     shift: f32x16<S>,
+    /// Which of a node's bounds they are.
+    bounds: usize,
 }
 
 /// Half of an ulp of 1.
@@ -45,34 +45,30 @@ impl<S: Simd> BoxRay<S> {
     /// The constants for a tree with these bounds. The ray must be finite, with a direction that is not zero.
     #[inline(always)]
     pub(crate) fn new(simd: S, ray: &Ray, bounds: Aabb) -> Self {
-        let longest = ray.dir.abs().max_element();
+        let length = ray.dir.abs();
         let reach = (bounds.min - ray.origin)
             .abs()
             .max((bounds.max - ray.origin).abs());
-        let z = reach[ray.dir.abs().max_position()];
+        let z = reach[length.max_position()];
         let pad = (reach + ray.origin.abs()) * (8.0 * U) + z * (112.0 * U);
-        let least = longest * 2.0_f32.powi(-40);
-        let axis = |i: usize, pad: f32, widen: f32| {
-            let d = ray.dir[i];
-            let d = if d.abs() < least { least.copysign(d) } else { d };
-            let scale = (1.0 / d) * widen;
-            let shift = (ray.origin[i] + pad.copysign(d) * (1.0 - widen).signum()) * scale;
-            if shift.is_finite() && scale.is_finite() {
-                (scale, shift)
-            } else {
-                (0.0, f32::INFINITY * (1.0 - widen))
-            }
-        };
-        let wide = |(scale, shift): (f32, f32)| Axis {
-            scale: f32x16::splat(simd, scale),
-            shift: f32x16::splat(simd, shift),
-        };
-        let backward = ray.dir.to_array().map(|d| d.is_sign_negative());
+        let least = Vec3::splat(length.max_element() * 2.0_f32.powi(-40));
+        let dir = Vec3::select(length.cmplt(least), least.copysign(ray.dir), ray.dir);
+        let pad = pad.copysign(dir);
+        let inv = dir.recip();
+        let (near, far) = (inv * (1.0 - 4.0 * U), inv * (1.0 + 4.0 * U));
+        let (first, last) = (ray.origin + pad, ray.origin - pad);
+        let (near_shift, far_shift) = (first * near, last * far);
         Self {
-            near: [0, 1, 2].map(|i| wide(axis(i, pad[i], 1.0 - 4.0 * U))),
-            far: [0, 1, 2].map(|i| wide(axis(i, pad[i], 1.0 + 4.0 * U))),
-            near_bounds: [0, 1, 2].map(|i| if backward[i] { i + 3 } else { i }),
-            far_bounds: [0, 1, 2].map(|i| if backward[i] { i } else { i + 3 }),
+            near: [
+                Planes::near(simd, near.x, near_shift.x, 0),
+                Planes::near(simd, near.y, near_shift.y, 1),
+                Planes::near(simd, near.z, near_shift.z, 2),
+            ],
+            far: [
+                Planes::far(simd, far.x, far_shift.x, 0),
+                Planes::far(simd, far.y, far_shift.y, 1),
+                Planes::far(simd, far.z, far_shift.z, 2),
+            ],
             t_min: f32x16::splat(simd, ray.t.min),
         }
     }
@@ -81,15 +77,42 @@ impl<S: Simd> BoxRay<S> {
     /// and the parameters of entry.
     #[inline(always)]
     pub(crate) fn meet(&self, simd: S, node: &Node, t_max: f32x16<S>) -> (u32, f32x16<S>) {
-        let plane = |axis: &Axis<S>, bounds: usize| {
-            f32x16::<S>::simd_from(simd, node.bounds[bounds]).mul_sub(axis.scale, axis.shift)
-        };
-        let near = |i: usize| plane(&self.near[i], self.near_bounds[i]);
-        let far = |i: usize| plane(&self.far[i], self.far_bounds[i]);
-        let t_near = near(0).max(near(1)).max(near(2).max(self.t_min));
-        let t_far = far(0).min(far(1)).min(far(2).min(t_max));
+        let [x, y, z] = &self.near;
+        let t_near = x.meet(simd, node).max(y.meet(simd, node));
+        let t_near = t_near.max(z.meet(simd, node).max(self.t_min));
+        let [x, y, z] = &self.far;
+        let t_far = x.meet(simd, node).min(y.meet(simd, node));
+        let t_far = t_far.min(z.meet(simd, node).min(t_max));
         (t_near.simd_le(t_far).to_bitmask() as u32, t_near)
     }
 }
 
-const _: () = assert!(WIDTH == 16);
+impl<S: Simd> Planes<S> {
+    #[inline(always)]
+    fn near(simd: S, scale: f32, shift: f32, axis: usize) -> Self {
+        let bounds = if scale.is_sign_negative() { axis + 3 } else { axis };
+        Self::new(simd, scale, shift, bounds, f32::INFINITY)
+    }
+
+    #[inline(always)]
+    fn far(simd: S, scale: f32, shift: f32, axis: usize) -> Self {
+        let bounds = if scale.is_sign_negative() { axis } else { axis + 3 };
+        Self::new(simd, scale, shift, bounds, f32::NEG_INFINITY)
+    }
+
+    #[inline(always)]
+    fn new(simd: S, scale: f32, shift: f32, bounds: usize, inside: f32) -> Self {
+        let sound = scale.is_finite() && shift.is_finite();
+        let (scale, shift) = if sound { (scale, shift) } else { (0.0, inside) };
+        Self {
+            scale: f32x16::splat(simd, scale),
+            shift: f32x16::splat(simd, shift),
+            bounds,
+        }
+    }
+
+    #[inline(always)]
+    fn meet(&self, simd: S, node: &Node) -> f32x16<S> {
+        f32x16::<S>::simd_from(simd, node.bounds[self.bounds]).mul_sub(self.scale, self.shift)
+    }
+}

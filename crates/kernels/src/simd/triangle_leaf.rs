@@ -39,12 +39,10 @@ impl TriangleLeaves {
     #[inline(always)]
     pub(crate) fn triangle(&self, (first, n): (usize, usize), i: usize) -> Triangle {
         let rows = &self.rows[9 * first..9 * (first + n)];
-        let corner =
-            |k: usize| Vec3::new(rows[3 * k * n + i], rows[(3 * k + 1) * n + i], rows[(3 * k + 2) * n + i]);
         Triangle {
-            a: corner(0),
-            b: corner(1),
-            c: corner(2),
+            a: Vec3::new(rows[i], rows[n + i], rows[2 * n + i]),
+            b: Vec3::new(rows[3 * n + i], rows[4 * n + i], rows[5 * n + i]),
+            c: Vec3::new(rows[6 * n + i], rows[7 * n + i], rows[8 * n + i]),
         }
     }
 
@@ -63,11 +61,15 @@ pub(crate) struct LeafRay<S: Simd> {
 impl<S: Simd> LeafRay<S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, ray: &ShearedRay) -> Self {
-        let (axes, origin, shear) = ray.parts();
+        let (axes, [x, y, z], [sx, sy]) = ray.parts();
         Self {
             axes,
-            origin: origin.map(|x| f32x16::splat(simd, x)),
-            shear: shear.map(|x| f32x16::splat(simd, x)),
+            origin: [
+                f32x16::splat(simd, x),
+                f32x16::splat(simd, y),
+                f32x16::splat(simd, z),
+            ],
+            shear: [f32x16::splat(simd, sx), f32x16::splat(simd, sy)],
         }
     }
 
@@ -77,18 +79,16 @@ impl<S: Simd> LeafRay<S> {
     /// rounding turns no sign around, so a triangle is left out only where two of them truly differ. The slide decides
     /// about the rest.
     #[inline(always)]
-    pub(crate) fn candidates(&self, simd: S, leaves: &TriangleLeaves, (first, n): (usize, usize)) -> u32 {
+    pub(crate) fn candidates(
+        &self,
+        simd: S,
+        leaves: &TriangleLeaves,
+        (first, n): (usize, usize),
+    ) -> u32 {
         let rows = &leaves.rows[9 * first..9 * (first + n) + PADDING];
-        let row = |corner: usize, axis: usize| {
-            f32x16::<S>::from_slice(simd, &rows[(3 * corner + self.axes[axis]) * n..][..16])
-        };
-        let shear = |corner: usize| {
-            let z = row(corner, 2) - self.origin[2];
-            let x = (row(corner, 0) - self.origin[0]) - self.shear[0] * z;
-            let y = (row(corner, 1) - self.origin[1]) - self.shear[1] * z;
-            (x, y)
-        };
-        let ((ax, ay), (bx, by), (cx, cy)) = (shear(0), shear(1), shear(2));
+        let (ax, ay) = self.shear(simd, rows, n, 0);
+        let (bx, by) = self.shear(simd, rows, n, 3 * n);
+        let (cx, cy) = self.shear(simd, rows, n, 6 * n);
         let u = cx * by - cy * bx;
         let v = ax * cy - ay * cx;
         let w = bx * ay - by * ax;
@@ -96,4 +96,18 @@ impl<S: Simd> LeafRay<S> {
         let differ = u.min(v).min(w).simd_lt(zero) & u.max(v).max(w).simd_gt(zero);
         !(differ.to_bitmask() as u32) & ((1 << n) - 1)
     }
+
+    /// The sheared x and y of the corners whose rows begin at `corner`.
+    #[inline(always)]
+    fn shear(&self, simd: S, rows: &[f32], n: usize, corner: usize) -> (f32x16<S>, f32x16<S>) {
+        let x = row(simd, rows, corner + self.axes[0] * n) - self.origin[0];
+        let y = row(simd, rows, corner + self.axes[1] * n) - self.origin[1];
+        let z = row(simd, rows, corner + self.axes[2] * n) - self.origin[2];
+        (x - self.shear[0] * z, y - self.shear[1] * z)
+    }
+}
+
+#[inline(always)]
+fn row<S: Simd>(simd: S, rows: &[f32], begin: usize) -> f32x16<S> {
+    f32x16::from_slice(simd, &rows[begin..begin + 16])
 }
