@@ -181,7 +181,7 @@ impl MeshBvh {
                             unsure &= unsure - 1;
                             let ray = &rays[i];
                             let t = hits[i].map_or(ray.t, |h| Interval { max: h.t, ..ray.t });
-                            if let Some(h) = intersect_triangle_sheared(&ShearedRay::new(ray), t, &triangle) {
+                            if let Some(h) = decide(&ShearedRay::new(ray), t, &triangle) {
                                 accept(&mut hits[i], &mut t_max[i], primitive, h);
                             }
                         }
@@ -251,7 +251,7 @@ impl MeshBvh {
                                 let i = unsure.trailing_zeros() as usize & 15;
                                 unsure &= unsure - 1;
                                 let ray = &rays[i];
-                                if intersect_triangle_sheared(&ShearedRay::new(ray), ray.t, &triangle).is_some() {
+                                if decide(&ShearedRay::new(ray), ray.t, &triangle).is_some() {
                                     done |= 1 << i;
                                 }
                             }
@@ -271,47 +271,92 @@ impl MeshBvh {
         }
     }
 
+    /// Looks for a hit nearer than `best` under `from`.
     #[inline(always)]
-    fn closest<S: Simd>(&self, simd: S, ray: &Ray, from: Child, best: &mut Option<MeshHit>, stack: &mut Stack) {
+    fn closest<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        from: Child,
+        best: &mut Option<MeshHit>,
+        stack: &mut Stack,
+    ) {
         let sheared = ShearedRay::new(ray);
-        let leaf_ray = LeafRay::new(simd, &sheared);
-        self.tree.closest(simd, ray, from, stack, #[inline(always)] |leaf, t| {
-            let mut left = leaf_ray.candidates(simd, &self.leaves, leaf);
-            while left != 0 {
-                let i = left.trailing_zeros() as usize & 15;
-                left &= left - 1;
-                if let Some(h) = intersect_triangle_sheared(&sheared, *t, &self.leaves.triangle(leaf, i)) {
-                    let primitive = self.items[leaf.0 + i];
-                    if best.is_none_or(|b| h.t < b.t || primitive < b.primitive) {
-                        t.max = h.t;
-                        *best = Some(MeshHit {
-                            primitive,
-                            t: h.t,
-                            u: h.u,
-                            v: h.v,
-                        });
+        let leaf_ray = LeafRay::new(simd, &sheared, ray.t.min);
+        self.tree.closest(
+            simd,
+            ray,
+            from,
+            stack,
+            #[inline(always)]
+            |leaf, t| {
+                let Some(found) = leaf_ray.meet(simd, &self.leaves, leaf, t.max) else {
+                    return;
+                };
+                if found.hit != 0 {
+                    let (u, v) = found.weights(simd);
+                    let t_hit: [f32; 16] = found.t.into();
+                    let (u, v): ([f32; 16], [f32; 16]) = (u.into(), v.into());
+                    let mut left = found.hit;
+                    while left != 0 {
+                        let i = left.trailing_zeros() as usize & 15;
+                        left &= left - 1;
+                        let hit = TriangleHit {
+                            t: t_hit[i],
+                            u: u[i],
+                            v: v[i],
+                        };
+                        accept(best, &mut t.max, self.items[leaf.0 + i], hit);
                     }
                 }
-            }
-        });
+                let mut left = found.unsure;
+                while left != 0 {
+                    let i = left.trailing_zeros() as usize & 15;
+                    left &= left - 1;
+                    let triangle = self.leaves.triangle(leaf, i);
+                    if let Some(hit) = decide(&sheared, *t, &triangle) {
+                        accept(best, &mut t.max, self.items[leaf.0 + i], hit);
+                    }
+                }
+            },
+        );
     }
 
     #[inline(always)]
     fn any<S: Simd>(&self, simd: S, ray: &Ray, from: Child, stack: &mut Stack) -> bool {
         let sheared = ShearedRay::new(ray);
-        let leaf_ray = LeafRay::new(simd, &sheared);
-        self.tree.any(simd, ray, from, stack, #[inline(always)] |leaf| {
-            let mut left = leaf_ray.candidates(simd, &self.leaves, leaf);
-            while left != 0 {
-                let i = left.trailing_zeros() as usize & 15;
-                left &= left - 1;
-                if intersect_triangle_sheared(&sheared, ray.t, &self.leaves.triangle(leaf, i)).is_some() {
+        let leaf_ray = LeafRay::new(simd, &sheared, ray.t.min);
+        self.tree.any(
+            simd,
+            ray,
+            from,
+            stack,
+            #[inline(always)]
+            |leaf| {
+                let Some(found) = leaf_ray.meet(simd, &self.leaves, leaf, ray.t.max) else {
+                    return false;
+                };
+                if found.hit != 0 {
                     return true;
                 }
-            }
-            false
-        })
+                let mut left = found.unsure;
+                while left != 0 {
+                    let i = left.trailing_zeros() as usize & 15;
+                    left &= left - 1;
+                    if decide(&sheared, ray.t, &self.leaves.triangle(leaf, i)).is_some() {
+                        return true;
+                    }
+                }
+                false
+            },
+        )
     }
+}
+
+/// The slide, for the lanes that its twin is not sure of.
+#[inline(never)]
+fn decide(ray: &ShearedRay, t: Interval, triangle: &Triangle) -> Option<TriangleHit> {
+    intersect_triangle_sheared(ray, t, triangle)
 }
 
 /// Stacks of the walks, kept from ray to ray.

@@ -10,6 +10,7 @@ mod lanes;
 mod packet;
 mod packet_leaf;
 mod surface_list;
+mod triangle_lanes;
 mod triangle_leaf;
 
 pub(crate) use box_ray::BoxRay;
@@ -17,4 +18,5 @@ pub use lanes::{LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit, whole_vectors};
 pub(crate) use packet::{PacketBoxes, RAYS, Rays16};
 pub(crate) use packet_leaf::PacketLeaf;
 pub use surface_list::SurfaceList;
+pub(crate) use triangle_lanes::LaneHits;
 pub(crate) use triangle_leaf::{LeafRay, TriangleLeaves};

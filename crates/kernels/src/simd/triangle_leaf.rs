@@ -1,5 +1,6 @@
 //! A ray against the triangles of a leaf, all at once.
 
+use super::triangle_lanes::{Distances, LaneHits, ShearedLanes};
 use crate::{ShearedRay, Triangle};
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
@@ -56,12 +57,14 @@ pub(crate) struct LeafRay<S: Simd> {
     axes: [usize; 3],
     origin: [f32x16<S>; 3],
     shear: [f32x16<S>; 2],
+    scale: f32x16<S>,
+    t_min: f32x16<S>,
 }
 
 impl<S: Simd> LeafRay<S> {
     #[inline(always)]
-    pub(crate) fn new(simd: S, ray: &ShearedRay) -> Self {
-        let (axes, [x, y, z], [sx, sy]) = ray.parts();
+    pub(crate) fn new(simd: S, ray: &ShearedRay, t_min: f32) -> Self {
+        let (axes, [x, y, z], [sx, sy, scale]) = ray.parts();
         Self {
             axes,
             origin: [
@@ -70,40 +73,41 @@ impl<S: Simd> LeafRay<S> {
                 f32x16::splat(simd, z),
             ],
             shear: [f32x16::splat(simd, sx), f32x16::splat(simd, sy)],
+            scale: f32x16::splat(simd, scale),
+            t_min: f32x16::splat(simd, t_min),
         }
     }
 
-    /// A bit for each triangle of a leaf that the ray's line may hit.
-    ///
-    /// The signs of the edge functions, in f32 and in the order of [`intersect_triangle_sheared`](crate::intersect_triangle_sheared):
-    /// rounding turns no sign around, so a triangle is left out only where two of them truly differ. The slide decides
-    /// about the rest.
+    /// [`ShearedLanes::meet`] for this ray and the triangles of a leaf, up to `t_max`.
     #[inline(always)]
-    pub(crate) fn candidates(
+    pub(crate) fn meet(
         &self,
         simd: S,
         leaves: &TriangleLeaves,
         (first, n): (usize, usize),
-    ) -> u32 {
+        t_max: f32,
+    ) -> Option<LaneHits<S>> {
         let rows = &leaves.rows[9 * first..9 * (first + n) + PADDING];
-        let (ax, ay) = self.shear(simd, rows, n, 0);
-        let (bx, by) = self.shear(simd, rows, n, 3 * n);
-        let (cx, cy) = self.shear(simd, rows, n, 6 * n);
-        let u = cx * by - cy * bx;
-        let v = ax * cy - ay * cx;
-        let w = bx * ay - by * ax;
-        let zero = f32x16::splat(simd, 0.0);
-        let differ = u.min(v).min(w).simd_lt(zero) & u.max(v).max(w).simd_gt(zero);
-        !(differ.to_bitmask() as u32) & ((1 << n) - 1)
+        let lanes = ShearedLanes {
+            a: self.shear(simd, rows, n, 0),
+            b: self.shear(simd, rows, n, 3 * n),
+            c: self.shear(simd, rows, n, 6 * n),
+        };
+        let t = Distances {
+            min: self.t_min,
+            max: f32x16::splat(simd, t_max),
+            scale: self.scale,
+        };
+        lanes.meet(simd, (1 << n) - 1, t)
     }
 
-    /// The sheared x and y of the corners whose rows begin at `corner`.
+    /// The sheared corners whose rows begin at `corner`.
     #[inline(always)]
-    fn shear(&self, simd: S, rows: &[f32], n: usize, corner: usize) -> (f32x16<S>, f32x16<S>) {
+    fn shear(&self, simd: S, rows: &[f32], n: usize, corner: usize) -> [f32x16<S>; 3] {
         let x = row(simd, rows, corner + self.axes[0] * n) - self.origin[0];
         let y = row(simd, rows, corner + self.axes[1] * n) - self.origin[1];
         let z = row(simd, rows, corner + self.axes[2] * n) - self.origin[2];
-        (x - self.shear[0] * z, y - self.shear[1] * z)
+        [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }
 }
 
