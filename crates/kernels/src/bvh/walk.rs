@@ -4,7 +4,7 @@ use super::node::Child;
 use super::Tree;
 use crate::simd::BoxRay;
 use crate::{Interval, Ray};
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, prelude::*};
 
 /// Places on the stack: 64 levels, each leaving at most fifteen of its sixteen children.
 pub(super) const PLACES: usize = 1024;
@@ -36,19 +36,18 @@ impl Tree {
         if self.nodes.is_empty() || !is_sound(ray) {
             return;
         }
-        let box_ray = BoxRay::new(simd, ray, self.bounds);
+        let box_ray = BoxRay::new(ray, self.bounds);
         let stack = &mut *stack.0;
         let mut t = ray.t;
-        let mut t_max = f32x16::splat(simd, t.max);
         let mut top = 0;
         let mut child = from;
         loop {
             if child.is_leaf() {
                 leaf(child.items(), &mut t);
-                t_max = f32x16::splat(simd, t.max);
             } else {
                 let node = &self.nodes[child.0 as usize];
-                let (mut hits, t_near) = box_ray.meet(simd, node, t_max);
+                let (hits, t_near) = box_ray.meet(simd, node, t.max);
+                let mut hits = hits.to_bitmask() as u32;
                 if hits != 0 {
                     let first = hits.trailing_zeros() as usize & 15;
                     hits &= hits - 1;
@@ -107,9 +106,8 @@ impl Tree {
         if self.nodes.is_empty() || !is_sound(ray) {
             return false;
         }
-        let box_ray = BoxRay::new(simd, ray, self.bounds);
+        let box_ray = BoxRay::new(ray, self.bounds);
         let stack = &mut *stack.0;
-        let t_max = f32x16::splat(simd, ray.t.max);
         let mut top = 0;
         let mut child = from;
         loop {
@@ -119,7 +117,7 @@ impl Tree {
                 }
             } else {
                 let node = &self.nodes[child.0 as usize];
-                let (mut hits, _) = box_ray.meet(simd, node, t_max);
+                let mut hits = box_ray.meet(simd, node, ray.t.max).0.to_bitmask() as u32;
                 while hits != 0 {
                     let i = hits.trailing_zeros() as usize & 15;
                     hits &= hits - 1;
@@ -136,8 +134,11 @@ impl Tree {
     }
 }
 
-/// Tells whether the ray is finite and goes somewhere; no other ray hits anything.
+/// Tells whether the ray is finite, has an interval and goes somewhere; no other ray hits anything.
 #[inline(always)]
-fn is_sound(ray: &Ray) -> bool {
-    ray.origin.is_finite() && ray.dir.is_finite() && (1.0 / ray.dir.abs().max_element()).is_finite()
+pub(crate) fn is_sound(ray: &Ray) -> bool {
+    ray.t.min < ray.t.max
+        && ray.origin.is_finite()
+        && ray.dir.is_finite()
+        && (1.0 / ray.dir.abs().max_element()).is_finite()
 }

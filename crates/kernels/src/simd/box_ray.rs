@@ -1,8 +1,8 @@
 //! A ray prepared for boxes: the test against the sixteen boxes of a node.
 
-use crate::bvh::Node;
+use crate::bvh::{Node, WIDTH};
 use crate::{Aabb, Ray};
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 use glam::Vec3;
 
 /// A ray as the slab test wants it: `t = plane·scale − shift`, apart for the near and the far planes, with all
@@ -24,27 +24,29 @@ use glam::Vec3;
 ///
 /// Source: Woop, Benthin & Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, section 3.4 (the moved origins);
 /// Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
-pub(crate) struct BoxRay<S: Simd> {
-    near: [Planes<S>; 3],
-    far: [Planes<S>; 3],
-    t_min: f32x16<S>,
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BoxRay {
+    near: [Slab; 3],
+    far: [Slab; 3],
+    /// Where the near planes are among a node's bounds: 0 for the least, 3 for the greatest.
+    first: [u32; 3],
+    t_min: f32,
 }
 
-/// The planes on one side of the boxes along one axis.
-struct Planes<S: Simd> {
-    scale: f32x16<S>,
-    shift: f32x16<S>,
-    /// Which of a node's bounds they are.
-    bounds: usize,
+/// The planes on one side along one axis.
+#[derive(Clone, Copy, Debug, Default)]
+struct Slab {
+    scale: f32,
+    shift: f32,
 }
 
 /// Half of an ulp of 1.
 pub(super) const U: f32 = f32::EPSILON / 2.0;
 
-impl<S: Simd> BoxRay<S> {
+impl BoxRay {
     /// The constants for a tree with these bounds. The ray must be finite, with a direction that is not zero.
     #[inline(always)]
-    pub(crate) fn new(simd: S, ray: &Ray, bounds: Aabb) -> Self {
+    pub(crate) fn new(ray: &Ray, bounds: Aabb) -> Self {
         let length = ray.dir.abs();
         let reach = (bounds.min - ray.origin)
             .abs()
@@ -56,63 +58,79 @@ impl<S: Simd> BoxRay<S> {
         let pad = pad.copysign(dir);
         let inv = dir.recip();
         let (near, far) = (inv * (1.0 - 4.0 * U), inv * (1.0 + 4.0 * U));
-        let (first, last) = (ray.origin + pad, ray.origin - pad);
-        let (near_shift, far_shift) = (first * near, last * far);
+        let near_shift = (ray.origin + pad) * near;
+        let far_shift = (ray.origin - pad) * far;
+        let (entry, exit) = (f32::INFINITY, f32::NEG_INFINITY);
         Self {
             near: [
-                Planes::near(simd, near.x, near_shift.x, 0),
-                Planes::near(simd, near.y, near_shift.y, 1),
-                Planes::near(simd, near.z, near_shift.z, 2),
+                Slab::new(near.x, near_shift.x, entry),
+                Slab::new(near.y, near_shift.y, entry),
+                Slab::new(near.z, near_shift.z, entry),
             ],
             far: [
-                Planes::far(simd, far.x, far_shift.x, 0),
-                Planes::far(simd, far.y, far_shift.y, 1),
-                Planes::far(simd, far.z, far_shift.z, 2),
+                Slab::new(far.x, far_shift.x, exit),
+                Slab::new(far.y, far_shift.y, exit),
+                Slab::new(far.z, far_shift.z, exit),
             ],
-            t_min: f32x16::splat(simd, ray.t.min),
+            first: [
+                3 * u32::from(dir.x.is_sign_negative()),
+                3 * u32::from(dir.y.is_sign_negative()),
+                3 * u32::from(dir.z.is_sign_negative()),
+            ],
+            t_min: ray.t.min,
         }
     }
 
-    /// The twin of [`intersect_aabb`](crate::intersect_aabb) for a node's boxes: a bit for each that is met before `t_max`,
+    /// The twin of [`intersect_aabb`](crate::intersect_aabb) for a node's boxes: which are met before `t_max`,
     /// and the parameters of entry.
     #[inline(always)]
-    pub(crate) fn meet(&self, simd: S, node: &Node, t_max: f32x16<S>) -> (u32, f32x16<S>) {
-        let [x, y, z] = &self.near;
-        let t_near = x.meet(simd, node).max(y.meet(simd, node));
-        let t_near = t_near.max(z.meet(simd, node).max(self.t_min));
-        let [x, y, z] = &self.far;
-        let t_far = x.meet(simd, node).min(y.meet(simd, node));
-        let t_far = t_far.min(z.meet(simd, node).min(t_max));
-        (t_near.simd_le(t_far).to_bitmask() as u32, t_near)
+    pub(crate) fn meet<S: Simd>(
+        &self,
+        simd: S,
+        node: &Node,
+        t_max: f32,
+    ) -> (mask32x16<S>, f32x16<S>) {
+        let t_near = self.near(simd, node, 0).max(self.near(simd, node, 1));
+        let t_min = f32x16::splat(simd, self.t_min);
+        let t_near = t_near.max(self.near(simd, node, 2).max(t_min));
+        let t_far = self.far(simd, node, 0).min(self.far(simd, node, 1));
+        let t_max = f32x16::splat(simd, t_max);
+        let t_far = t_far.min(self.far(simd, node, 2).min(t_max));
+        (t_near.simd_le(t_far), t_near)
+    }
+
+    #[inline(always)]
+    fn near<S: Simd>(&self, simd: S, node: &Node, axis: usize) -> f32x16<S> {
+        let planes = &node.bounds[axis + (self.first[axis] & 3) as usize];
+        self.near[axis].meet(simd, planes)
+    }
+
+    #[inline(always)]
+    fn far<S: Simd>(&self, simd: S, node: &Node, axis: usize) -> f32x16<S> {
+        let planes = &node.bounds[axis + (self.first[axis] & 3 ^ 3) as usize];
+        self.far[axis].meet(simd, planes)
     }
 }
 
-impl<S: Simd> Planes<S> {
+impl Slab {
+    /// Constants that overflow give way to those of a ray that is always `inside`.
     #[inline(always)]
-    fn near(simd: S, scale: f32, shift: f32, axis: usize) -> Self {
-        let bounds = if scale.is_sign_negative() { axis + 3 } else { axis };
-        Self::new(simd, scale, shift, bounds, f32::INFINITY)
-    }
-
-    #[inline(always)]
-    fn far(simd: S, scale: f32, shift: f32, axis: usize) -> Self {
-        let bounds = if scale.is_sign_negative() { axis } else { axis + 3 };
-        Self::new(simd, scale, shift, bounds, f32::NEG_INFINITY)
-    }
-
-    #[inline(always)]
-    fn new(simd: S, scale: f32, shift: f32, bounds: usize, inside: f32) -> Self {
-        let sound = scale.is_finite() && shift.is_finite();
-        let (scale, shift) = if sound { (scale, shift) } else { (0.0, inside) };
-        Self {
-            scale: f32x16::splat(simd, scale),
-            shift: f32x16::splat(simd, shift),
-            bounds,
+    fn new(scale: f32, shift: f32, inside: f32) -> Self {
+        if scale.is_finite() && shift.is_finite() {
+            Self { scale, shift }
+        } else {
+            Self {
+                scale: 0.0,
+                shift: inside,
+            }
         }
     }
 
     #[inline(always)]
-    fn meet(&self, simd: S, node: &Node) -> f32x16<S> {
-        f32x16::<S>::simd_from(simd, node.bounds[self.bounds]).mul_sub(self.scale, self.shift)
+    fn meet<S: Simd>(&self, simd: S, planes: &[f32; WIDTH]) -> f32x16<S> {
+        f32x16::<S>::simd_from(simd, *planes).mul_sub(
+            f32x16::splat(simd, self.scale),
+            f32x16::splat(simd, self.shift),
+        )
     }
 }

@@ -52,35 +52,31 @@ impl TriangleLeaves {
     }
 }
 
-/// A sheared ray, each constant in all lanes.
-pub(crate) struct LeafRay<S: Simd> {
-    axes: [usize; 3],
-    origin: [f32x16<S>; 3],
-    shear: [f32x16<S>; 2],
-    scale: f32x16<S>,
-    t_min: f32x16<S>,
+/// A sheared ray, ready for leaves.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct LeafRay {
+    axes: [u32; 3],
+    origin: [f32; 3],
+    /// `(d_kx, d_ky, 1) / d_kz`.
+    shear: [f32; 3],
+    t_min: f32,
 }
 
-impl<S: Simd> LeafRay<S> {
+impl LeafRay {
     #[inline(always)]
-    pub(crate) fn new(simd: S, ray: &ShearedRay, t_min: f32) -> Self {
-        let (axes, [x, y, z], [sx, sy, scale]) = ray.parts();
+    pub(crate) fn new(ray: &ShearedRay, t_min: f32) -> Self {
+        let (axes, origin, shear) = ray.parts();
         Self {
-            axes,
-            origin: [
-                f32x16::splat(simd, x),
-                f32x16::splat(simd, y),
-                f32x16::splat(simd, z),
-            ],
-            shear: [f32x16::splat(simd, sx), f32x16::splat(simd, sy)],
-            scale: f32x16::splat(simd, scale),
-            t_min: f32x16::splat(simd, t_min),
+            axes: axes.map(|k| k as u32),
+            origin,
+            shear,
+            t_min,
         }
     }
 
     /// [`ShearedLanes::meet`] for this ray and the triangles of a leaf, up to `t_max`.
     #[inline(always)]
-    pub(crate) fn meet(
+    pub(crate) fn meet<S: Simd>(
         &self,
         simd: S,
         leaves: &TriangleLeaves,
@@ -94,20 +90,32 @@ impl<S: Simd> LeafRay<S> {
             c: self.shear(simd, rows, n, 6 * n),
         };
         let t = Distances {
-            min: self.t_min,
+            min: f32x16::splat(simd, self.t_min),
             max: f32x16::splat(simd, t_max),
-            scale: self.scale,
+            scale: f32x16::splat(simd, self.shear[2]),
         };
         lanes.meet(simd, (1 << n) - 1, t)
     }
 
     /// The sheared corners whose rows begin at `corner`.
     #[inline(always)]
-    fn shear(&self, simd: S, rows: &[f32], n: usize, corner: usize) -> [f32x16<S>; 3] {
-        let x = row(simd, rows, corner + self.axes[0] * n) - self.origin[0];
-        let y = row(simd, rows, corner + self.axes[1] * n) - self.origin[1];
-        let z = row(simd, rows, corner + self.axes[2] * n) - self.origin[2];
-        [x - self.shear[0] * z, y - self.shear[1] * z, z]
+    fn shear<S: Simd>(&self, simd: S, rows: &[f32], n: usize, corner: usize) -> [f32x16<S>; 3] {
+        let x = self.moved(simd, rows, n, corner, 0);
+        let y = self.moved(simd, rows, n, corner, 1);
+        let z = self.moved(simd, rows, n, corner, 2);
+        let [sx, sy, _] = self.shear;
+        [
+            x - f32x16::splat(simd, sx) * z,
+            y - f32x16::splat(simd, sy) * z,
+            z,
+        ]
+    }
+
+    /// A component of the corners relative to the origin.
+    #[inline(always)]
+    fn moved<S: Simd>(&self, simd: S, rows: &[f32], n: usize, corner: usize, axis: usize) -> f32x16<S> {
+        let row = row(simd, rows, corner + self.axes[axis] as usize * n);
+        row - f32x16::splat(simd, self.origin[axis])
     }
 }
 

@@ -1,0 +1,67 @@
+//! Sixteen rays of a packet against one triangle.
+
+use super::packet::{Rays16, Way};
+use super::triangle_lanes::{Distances, LaneHits, ShearedLanes};
+use crate::Triangle;
+use fearless_simd::{Simd, f32x16, prelude::*};
+use glam::Vec3;
+
+/// The rays of a packet, sheared along the axis that is the longest of all of them.
+pub(crate) struct PacketLeaf<S: Simd> {
+    simd: S,
+    axes: [usize; 3],
+    origin: [f32x16<S>; 3],
+    shear: [f32x16<S>; 2],
+    /// `1 / d_kz`.
+    scale: f32x16<S>,
+    t_min: f32x16<S>,
+}
+
+impl<S: Simd> PacketLeaf<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, rays: &Rays16<S>, way: Way) -> Self {
+        let kz = way.longest();
+        let (mut kx, mut ky) = ((kz + 1) % 3, (kz + 2) % 3);
+        if way.points_back(kz) {
+            (kx, ky) = (ky, kx);
+        }
+        let dz = rays.dir(kz);
+        Self {
+            simd,
+            axes: [kx, ky, kz],
+            origin: [rays.origin(kx), rays.origin(ky), rays.origin(kz)],
+            shear: [rays.dir(kx) / dz, rays.dir(ky) / dz],
+            scale: f32x16::splat(simd, 1.0) / dz,
+            t_min: rays.t_min(),
+        }
+    }
+
+    /// [`ShearedLanes::meet`] for the rays of `members` and one triangle, up to `t_max`.
+    #[inline(always)]
+    pub(crate) fn meet(
+        &self,
+        triangle: &Triangle,
+        members: u32,
+        t_max: f32x16<S>,
+    ) -> Option<LaneHits<S>> {
+        let lanes = ShearedLanes {
+            a: self.shear(triangle.a),
+            b: self.shear(triangle.b),
+            c: self.shear(triangle.c),
+        };
+        let t = Distances {
+            min: self.t_min,
+            max: t_max,
+            scale: self.scale,
+        };
+        lanes.meet(self.simd, members, t)
+    }
+
+    #[inline(always)]
+    fn shear(&self, p: Vec3) -> [f32x16<S>; 3] {
+        let x = f32x16::splat(self.simd, p[self.axes[0]]) - self.origin[0];
+        let y = f32x16::splat(self.simd, p[self.axes[1]]) - self.origin[1];
+        let z = f32x16::splat(self.simd, p[self.axes[2]]) - self.origin[2];
+        [x - self.shear[0] * z, y - self.shear[1] * z, z]
+    }
+}
