@@ -1,6 +1,6 @@
 //! A triangle mesh made ready for rays.
 
-use crate::bvh::{Child, FLIGHT, Flight, PacketStack, Stack, Tree, Visit, is_sound};
+use crate::bvh::{Child, PacketStack, Stack, Tree, Visit};
 use crate::simd::{LeafRay, PacketBoxes, PacketLeaf, RAYS, Rays16, TriangleLeaves};
 use crate::{Aabb, Interval, Ray, ShearedRay, Triangle, TriangleHit, VectorUnit, intersect_triangle_sheared};
 use fearless_simd::{Simd, dispatch};
@@ -103,7 +103,10 @@ impl MeshBvh {
                     self.closest_16(simd, rays, hits, &mut stacks);
                 }
             } else {
-                self.closest_each(simd, rays, hits, &mut stacks.flight);
+                for (ray, hit) in rays.iter().zip(hits) {
+                    *hit = None;
+                    self.closest(simd, ray, Child::ROOT, hit, &mut stacks.single);
+                }
             }
         });
     }
@@ -268,78 +271,6 @@ impl MeshBvh {
         }
     }
 
-    #[inline(always)]
-    fn closest_each<S: Simd>(
-        &self,
-        simd: S,
-        rays: &[Ray],
-        hits: &mut [Option<MeshHit>],
-        flight: &mut Flight,
-    ) {
-        hits.fill(None);
-        if self.tree.is_empty() {
-            return;
-        }
-        let mut next = 0;
-        let aboard = std::cell::Cell::new([(0_u32, LeafRay::default()); FLIGHT]);
-        let aboard = aboard.as_array_of_cells();
-        self.tree.closest_each(
-            simd,
-            flight,
-            #[inline(always)]
-            |place| {
-                while next < rays.len() {
-                    let ray = &rays[next];
-                    next += 1;
-                    if is_sound(ray) {
-                        let leaf_ray = LeafRay::new(&ShearedRay::new(ray), ray.t.min);
-                        aboard[place].set((next as u32 - 1, leaf_ray));
-                        return Some(*ray);
-                    }
-                }
-                None
-            },
-            #[inline(always)]
-            |place, leaf, t_max| {
-                let (number, leaf_ray) = aboard[place].get();
-                let Some(found) = leaf_ray.meet(simd, &self.leaves, leaf, *t_max) else {
-                    return;
-                };
-                let best = &mut hits[number as usize];
-                if found.hit != 0 {
-                    let (u, v) = found.weights(simd);
-                    let t_hit: [f32; 16] = found.t.into();
-                    let (u, v): ([f32; 16], [f32; 16]) = (u.into(), v.into());
-                    let mut left = found.hit;
-                    while left != 0 {
-                        let i = left.trailing_zeros() as usize & 15;
-                        left &= left - 1;
-                        let hit = TriangleHit {
-                            t: t_hit[i],
-                            u: u[i],
-                            v: v[i],
-                        };
-                        accept(best, t_max, self.items[leaf.0 + i], hit);
-                    }
-                }
-                let mut left = found.unsure;
-                while left != 0 {
-                    let i = left.trailing_zeros() as usize & 15;
-                    left &= left - 1;
-                    let triangle = self.leaves.triangle(leaf, i);
-                    let ray = &rays[number as usize];
-                    let t = Interval {
-                        min: ray.t.min,
-                        max: *t_max,
-                    };
-                    if let Some(hit) = decide(&ShearedRay::new(ray), t, &triangle) {
-                        accept(best, t_max, self.items[leaf.0 + i], hit);
-                    }
-                }
-            },
-        );
-    }
-
     /// Looks for a hit nearer than `best` under `from`.
     #[inline(always)]
     fn closest<S: Simd>(
@@ -432,7 +363,6 @@ fn decide(ray: &ShearedRay, t: Interval, triangle: &Triangle) -> Option<Triangle
 #[derive(Default)]
 struct Stacks {
     single: Stack,
-    flight: Flight,
     packet: PacketStack,
 }
 

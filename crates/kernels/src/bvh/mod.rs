@@ -1,7 +1,6 @@
 //! Bounding volume hierarchies: sixteen boxes a node, over anything that has a box.
 
 mod build;
-mod flight;
 mod fold;
 mod node;
 mod packet_walk;
@@ -11,9 +10,8 @@ use crate::Aabb;
 use build::build_binary;
 use fold::fold;
 pub(crate) use node::{Child, Node, WIDTH};
-pub(crate) use flight::{FLIGHT, Flight};
 pub(crate) use packet_walk::{PacketStack, Visit};
-pub(crate) use walk::{Stack, is_sound};
+pub(crate) use walk::Stack;
 
 /// The boxes of a hierarchy; what its leaves' items are is the owner's business.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,10 +34,6 @@ impl Tree {
             nodes: fold(&binary),
             bounds: binary[0].aabb,
         }
-    }
-
-    pub(crate) fn is_empty(&self) -> bool {
-        self.nodes.is_empty()
     }
 
     pub(crate) fn bounds(&self) -> Aabb {

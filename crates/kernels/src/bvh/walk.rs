@@ -136,7 +136,7 @@ impl Tree {
 
 /// Tells whether the ray is finite, has an interval and goes somewhere; no other ray hits anything.
 #[inline(always)]
-pub(crate) fn is_sound(ray: &Ray) -> bool {
+fn is_sound(ray: &Ray) -> bool {
     ray.t.min < ray.t.max
         && ray.origin.is_finite()
         && ray.dir.is_finite()
