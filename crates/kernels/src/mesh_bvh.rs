@@ -1,7 +1,7 @@
 //! A triangle mesh made ready for rays.
 
 use crate::bvh::{Child, PacketStack, Stack, Tree, Visit};
-use crate::simd::{LeafRay, PacketBoxes, PacketLeaf, RAYS, Rays16, TriangleLeaves};
+use crate::simd::{PacketBoxes, PacketLeaf, RAYS, RayLanes, Rays16, TriangleLeaves};
 use crate::{Aabb, Interval, Ray, ShearedRay, Triangle, TriangleHit, VectorUnit, intersect_triangle_sheared};
 use fearless_simd::{Simd, dispatch};
 use glam::Vec3;
@@ -98,15 +98,8 @@ impl MeshBvh {
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<MeshHit>], walk: Walk) {
         dispatch!(self.unit.level(), simd => {
             let mut stacks = Stacks::default();
-            if walk == Walk::Packets {
-                for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
-                    self.closest_16(simd, rays, hits, &mut stacks);
-                }
-            } else {
-                for (ray, hit) in rays.iter().zip(hits) {
-                    *hit = None;
-                    self.closest(simd, ray, Child::ROOT, hit, &mut stacks.single);
-                }
+            for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
+                self.closest_16(simd, rays, hits, &mut stacks, walk);
             }
         });
     }
@@ -115,57 +108,67 @@ impl MeshBvh {
     pub fn any_hits(&self, rays: &[Ray], occluded: &mut [bool], walk: Walk) {
         dispatch!(self.unit.level(), simd => {
             let mut stacks = Stacks::default();
-            if walk == Walk::Packets {
-                for (rays, hits) in rays.chunks(RAYS).zip(occluded.chunks_mut(RAYS)) {
-                    self.any_16(simd, rays, hits, &mut stacks);
-                }
-            } else {
-                for (ray, occluded) in rays.iter().zip(occluded) {
-                    *occluded = self.any(simd, ray, Child::ROOT, &mut stacks.single);
-                }
+            for (rays, occluded) in rays.chunks(RAYS).zip(occluded.chunks_mut(RAYS)) {
+                self.any_16(simd, rays, occluded, &mut stacks, walk);
             }
         });
     }
 
     #[inline(always)]
-    fn closest_16<S: Simd>(&self, simd: S, rays: &[Ray], hits: &mut [Option<MeshHit>], stacks: &mut Stacks) {
+    fn closest_16<S: Simd>(
+        &self,
+        simd: S,
+        rays: &[Ray],
+        hits: &mut [Option<MeshHit>],
+        stacks: &mut Stacks,
+        walk: Walk,
+    ) {
         hits.fill(None);
-        let lanes = Rays16::new(simd, rays);
-        let ways = lanes.ways();
-        let mut left = ways.sound & ((1_u64 << rays.len()) - 1) as u32;
+        let ready = Rays16::new(simd, rays, self.tree.bounds());
+        let lanes = ready.lanes();
+        let mut left = ready.ways.sound;
         while left != 0 {
-            let (way, same) = ways.like(left.trailing_zeros());
-            let mut members = left & same;
-            left &= !members;
-            let boxes = PacketBoxes::new(simd, &lanes, way, members, self.tree.bounds());
-            let mut alone = members & !boxes.sound;
-            members &= boxes.sound;
-            if members.count_ones() < 4 {
-                alone |= members;
-                members = 0;
+            let one = left.trailing_zeros() as usize;
+            let like = if walk == Walk::Packets { left & ready.ways.like(one) & ready.ways.in_range } else { 0 };
+            if like.count_ones() >= 4 {
+                left &= !like;
+                self.closest_packet(simd, &ready, &lanes, rays, one, like, hits, stacks);
+            } else {
+                left &= left - 1;
+                let mut t_max = rays[one].t.max;
+                self.closest(simd, &rays[one], &lanes, one, &mut t_max, Child::ROOT, &mut hits[one], &mut stacks.single);
             }
-            while alone != 0 {
-                let i = alone.trailing_zeros() as usize & 15;
-                alone &= alone - 1;
-                self.closest(simd, &rays[i], Child::ROOT, &mut hits[i], &mut stacks.single);
-            }
-            if members == 0 {
-                continue;
-            }
-            let leaf = PacketLeaf::new(simd, &lanes, way);
-            let mut t_max = lanes.t_max;
-            self.tree.walk_packet(&boxes, &mut members, &mut t_max, &mut stacks.packet, #[inline(always)] |visit, _, t_max, here| match visit {
+        }
+    }
+
+    #[inline(always)]
+    fn closest_packet<S: Simd>(
+        &self,
+        simd: S,
+        ready: &Rays16<S>,
+        lanes: &RayLanes,
+        rays: &[Ray],
+        one: usize,
+        mut members: u32,
+        hits: &mut [Option<MeshHit>],
+        stacks: &mut Stacks,
+    ) {
+        let boxes = PacketBoxes::new(simd, ready, one, members);
+        let leaf = PacketLeaf::new(simd, ready, one);
+        let mut t_max = ready.t_max;
+        self.tree.walk_packet(
+            &boxes,
+            &mut members,
+            &mut t_max,
+            &mut stacks.packet,
+            #[inline(always)]
+            |visit, _, t_max, here| match visit {
                 Visit::Alone(child) => {
                     let mut here = here;
                     while here != 0 {
                         let i = here.trailing_zeros() as usize & 15;
                         here &= here - 1;
-                        let mut ray = rays[i];
-                        ray.t.max = t_max[i];
-                        self.closest(simd, &ray, child, &mut hits[i], &mut stacks.single);
-                        if let Some(hit) = hits[i] {
-                            t_max[i] = hit.t;
-                        }
+                        self.closest(simd, &rays[i], lanes, i, &mut t_max[i], child, &mut hits[i], &mut stacks.single);
                     }
                 }
                 Visit::Leaf(items) => {
@@ -179,9 +182,8 @@ impl MeshBvh {
                         while unsure != 0 {
                             let i = unsure.trailing_zeros() as usize & 15;
                             unsure &= unsure - 1;
-                            let ray = &rays[i];
-                            let t = hits[i].map_or(ray.t, |h| Interval { max: h.t, ..ray.t });
-                            if let Some(h) = decide(&ShearedRay::new(ray), t, &triangle) {
+                            let t = Interval { min: rays[i].t.min, max: t_max[i] };
+                            if let Some(h) = decide(&rays[i], t, &triangle) {
                                 accept(&mut hits[i], &mut t_max[i], primitive, h);
                             }
                         }
@@ -197,45 +199,58 @@ impl MeshBvh {
                         }
                     }
                 }
-            });
+            },
+        );
+    }
+
+    #[inline(always)]
+    fn any_16<S: Simd>(&self, simd: S, rays: &[Ray], hits: &mut [bool], stacks: &mut Stacks, walk: Walk) {
+        hits.fill(false);
+        let ready = Rays16::new(simd, rays, self.tree.bounds());
+        let lanes = ready.lanes();
+        let mut left = ready.ways.sound;
+        while left != 0 {
+            let one = left.trailing_zeros() as usize;
+            let like = if walk == Walk::Packets { left & ready.ways.like(one) & ready.ways.in_range } else { 0 };
+            if like.count_ones() >= 4 {
+                left &= !like;
+                self.any_packet(simd, &ready, &lanes, rays, one, like, hits, stacks);
+            } else {
+                left &= left - 1;
+                hits[one] = self.any(simd, &rays[one], &lanes, one, Child::ROOT, &mut stacks.single);
+            }
         }
     }
 
     #[inline(always)]
-    fn any_16<S: Simd>(&self, simd: S, rays: &[Ray], hits: &mut [bool], stacks: &mut Stacks) {
-        hits.fill(false);
-        let lanes = Rays16::new(simd, rays);
-        let ways = lanes.ways();
-        let mut left = ways.sound & ((1_u64 << rays.len()) - 1) as u32;
-        while left != 0 {
-            let (way, same) = ways.like(left.trailing_zeros());
-            let mut members = left & same;
-            left &= !members;
-            let boxes = PacketBoxes::new(simd, &lanes, way, members, self.tree.bounds());
-            let mut alone = members & !boxes.sound;
-            members &= boxes.sound;
-            if members.count_ones() < 4 {
-                alone |= members;
-                members = 0;
-            }
-            while alone != 0 {
-                let i = alone.trailing_zeros() as usize & 15;
-                alone &= alone - 1;
-                hits[i] = self.any(simd, &rays[i], Child::ROOT, &mut stacks.single);
-            }
-            if members == 0 {
-                continue;
-            }
-            let leaf = PacketLeaf::new(simd, &lanes, way);
-            let mut t_max = lanes.t_max;
-            self.tree.walk_packet(&boxes, &mut members, &mut t_max, &mut stacks.packet, #[inline(always)] |visit, members, t_max, here| {
+    fn any_packet<S: Simd>(
+        &self,
+        simd: S,
+        ready: &Rays16<S>,
+        lanes: &RayLanes,
+        rays: &[Ray],
+        one: usize,
+        mut members: u32,
+        hits: &mut [bool],
+        stacks: &mut Stacks,
+    ) {
+        let boxes = PacketBoxes::new(simd, ready, one, members);
+        let leaf = PacketLeaf::new(simd, ready, one);
+        let mut t_max = ready.t_max;
+        self.tree.walk_packet(
+            &boxes,
+            &mut members,
+            &mut t_max,
+            &mut stacks.packet,
+            #[inline(always)]
+            |visit, members, t_max, here| {
                 let mut here = here;
                 match visit {
                     Visit::Alone(child) => {
                         while here != 0 {
                             let i = here.trailing_zeros() as usize & 15;
                             here &= here - 1;
-                            hits[i] = self.any(simd, &rays[i], child, &mut stacks.single);
+                            hits[i] = self.any(simd, &rays[i], lanes, i, child, &mut stacks.single);
                             *members &= !(u32::from(hits[i]) << i);
                         }
                     }
@@ -250,8 +265,7 @@ impl MeshBvh {
                             while unsure != 0 {
                                 let i = unsure.trailing_zeros() as usize & 15;
                                 unsure &= unsure - 1;
-                                let ray = &rays[i];
-                                if decide(&ShearedRay::new(ray), ray.t, &triangle).is_some() {
+                                if decide(&rays[i], rays[i].t, &triangle).is_some() {
                                     done |= 1 << i;
                                 }
                             }
@@ -267,30 +281,33 @@ impl MeshBvh {
                         }
                     }
                 }
-            });
-        }
+            },
+        );
     }
 
-    /// Looks for a hit nearer than `best` under `from`.
+    /// Looks for a hit of ray `i` nearer than `best` under `from`.
     #[inline(always)]
     fn closest<S: Simd>(
         &self,
         simd: S,
         ray: &Ray,
+        lanes: &RayLanes,
+        i: usize,
+        t_max: &mut f32,
         from: Child,
         best: &mut Option<MeshHit>,
         stack: &mut Stack,
     ) {
-        let sheared = ShearedRay::new(ray);
-        let leaf_ray = LeafRay::new(&sheared, ray.t.min);
+        let leaf_ray = lanes.leaf_ray(i);
         self.tree.closest(
             simd,
-            ray,
+            &lanes.box_ray(i),
+            t_max,
             from,
             stack,
             #[inline(always)]
-            |leaf, t| {
-                let Some(found) = leaf_ray.meet(simd, &self.leaves, leaf, t.max) else {
+            |leaf, t_max| {
+                let Some(found) = leaf_ray.meet(simd, &self.leaves, leaf, *t_max) else {
                     return;
                 };
                 if found.hit != 0 {
@@ -306,7 +323,7 @@ impl MeshBvh {
                             u: u[i],
                             v: v[i],
                         };
-                        accept(best, &mut t.max, self.items[leaf.0 + i], hit);
+                        accept(best, t_max, self.items[leaf.0 + i], hit);
                     }
                 }
                 let mut left = found.unsure;
@@ -314,8 +331,9 @@ impl MeshBvh {
                     let i = left.trailing_zeros() as usize & 15;
                     left &= left - 1;
                     let triangle = self.leaves.triangle(leaf, i);
-                    if let Some(hit) = decide(&sheared, *t, &triangle) {
-                        accept(best, &mut t.max, self.items[leaf.0 + i], hit);
+                    let t = Interval { min: ray.t.min, max: *t_max };
+                    if let Some(hit) = decide(ray, t, &triangle) {
+                        accept(best, t_max, self.items[leaf.0 + i], hit);
                     }
                 }
             },
@@ -323,12 +341,20 @@ impl MeshBvh {
     }
 
     #[inline(always)]
-    fn any<S: Simd>(&self, simd: S, ray: &Ray, from: Child, stack: &mut Stack) -> bool {
-        let sheared = ShearedRay::new(ray);
-        let leaf_ray = LeafRay::new(&sheared, ray.t.min);
+    fn any<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        lanes: &RayLanes,
+        i: usize,
+        from: Child,
+        stack: &mut Stack,
+    ) -> bool {
+        let leaf_ray = lanes.leaf_ray(i);
         self.tree.any(
             simd,
-            ray,
+            &lanes.box_ray(i),
+            ray.t.max,
             from,
             stack,
             #[inline(always)]
@@ -343,7 +369,7 @@ impl MeshBvh {
                 while left != 0 {
                     let i = left.trailing_zeros() as usize & 15;
                     left &= left - 1;
-                    if decide(&sheared, ray.t, &self.leaves.triangle(leaf, i)).is_some() {
+                    if decide(ray, ray.t, &self.leaves.triangle(leaf, i)).is_some() {
                         return true;
                     }
                 }
@@ -355,8 +381,8 @@ impl MeshBvh {
 
 /// The slide, for the lanes that its twin is not sure of.
 #[inline(never)]
-fn decide(ray: &ShearedRay, t: Interval, triangle: &Triangle) -> Option<TriangleHit> {
-    intersect_triangle_sheared(ray, t, triangle)
+fn decide(ray: &Ray, t: Interval, triangle: &Triangle) -> Option<TriangleHit> {
+    intersect_triangle_sheared(&ShearedRay::new(ray), t, triangle)
 }
 
 /// Stacks of the walks, kept from ray to ray.

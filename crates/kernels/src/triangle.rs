@@ -113,14 +113,6 @@ impl ShearedRay {
         }
     }
 
-    /// The axes `kx`, `ky`, `kz`, the origin along them, and `(d_kx, d_ky, 1) / d_kz`.
-    #[inline(always)]
-    pub(crate) fn parts(&self) -> ([usize; 3], [f32; 3], [f32; 3]) {
-        let axes = [self.kx, self.ky, self.kz];
-        let o = self.origin;
-        (axes, [o[self.kx], o[self.ky], o[self.kz]], self.s.to_array())
-    }
-
     /// A corner as seen from the ray: moved, permuted and sheared, with `z` along `kz` not yet
     /// scaled to `t`.
     #[inline]

@@ -3,7 +3,6 @@
 use super::node::Child;
 use super::Tree;
 use crate::simd::BoxRay;
-use crate::{Interval, Ray};
 use fearless_simd::{Simd, prelude::*};
 
 /// Places on the stack: 64 levels, each leaving at most fifteen of its sixteen children.
@@ -28,25 +27,24 @@ impl Tree {
     pub(crate) fn closest<S: Simd>(
         &self,
         simd: S,
-        ray: &Ray,
+        box_ray: &BoxRay,
+        t_max: &mut f32,
         from: Child,
         stack: &mut Stack,
-        mut leaf: impl FnMut((usize, usize), &mut Interval),
+        mut leaf: impl FnMut((usize, usize), &mut f32),
     ) {
-        if self.nodes.is_empty() || !is_sound(ray) {
+        if self.nodes.is_empty() {
             return;
         }
-        let box_ray = BoxRay::new(ray, self.bounds);
         let stack = &mut *stack.0;
-        let mut t = ray.t;
         let mut top = 0;
         let mut child = from;
         loop {
             if child.is_leaf() {
-                leaf(child.items(), &mut t);
+                leaf(child.items(), t_max);
             } else {
                 let node = &self.nodes[child.0 as usize];
-                let (hits, t_near) = box_ray.meet(simd, node, t.max);
+                let (hits, t_near) = box_ray.meet(simd, node, *t_max);
                 let mut hits = hits.to_bitmask() as u32;
                 if hits != 0 {
                     let first = hits.trailing_zeros() as usize & 15;
@@ -85,7 +83,7 @@ impl Tree {
                 }
                 top -= 1;
                 let (t_near, next) = stack[top % PLACES];
-                if t_near <= t.max {
+                if t_near <= *t_max {
                     child = next;
                     break;
                 }
@@ -98,15 +96,15 @@ impl Tree {
     pub(crate) fn any<S: Simd>(
         &self,
         simd: S,
-        ray: &Ray,
+        box_ray: &BoxRay,
+        t_max: f32,
         from: Child,
         stack: &mut Stack,
         mut leaf: impl FnMut((usize, usize)) -> bool,
     ) -> bool {
-        if self.nodes.is_empty() || !is_sound(ray) {
+        if self.nodes.is_empty() {
             return false;
         }
-        let box_ray = BoxRay::new(ray, self.bounds);
         let stack = &mut *stack.0;
         let mut top = 0;
         let mut child = from;
@@ -117,7 +115,7 @@ impl Tree {
                 }
             } else {
                 let node = &self.nodes[child.0 as usize];
-                let mut hits = box_ray.meet(simd, node, ray.t.max).0.to_bitmask() as u32;
+                let mut hits = box_ray.meet(simd, node, t_max).0.to_bitmask() as u32;
                 while hits != 0 {
                     let i = hits.trailing_zeros() as usize & 15;
                     hits &= hits - 1;
@@ -134,11 +132,3 @@ impl Tree {
     }
 }
 
-/// Tells whether the ray is finite, has an interval and goes somewhere; no other ray hits anything.
-#[inline(always)]
-fn is_sound(ray: &Ray) -> bool {
-    ray.t.min < ray.t.max
-        && ray.origin.is_finite()
-        && ray.dir.is_finite()
-        && (1.0 / ray.dir.abs().max_element()).is_finite()
-}

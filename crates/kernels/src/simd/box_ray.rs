@@ -1,9 +1,7 @@
 //! A ray prepared for boxes: the test against the sixteen boxes of a node.
 
 use crate::bvh::{Node, WIDTH};
-use crate::{Aabb, Ray};
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
-use glam::Vec3;
 
 /// A ray as the slab test wants it: `t = plane·scale − shift`, apart for the near and the far planes, with all
 /// that rounding may do moved into the constants.
@@ -26,16 +24,16 @@ use glam::Vec3;
 /// Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct BoxRay {
-    near: [Slab; 3],
-    far: [Slab; 3],
+    pub(super) near: [Slab; 3],
+    pub(super) far: [Slab; 3],
     /// Where the near planes are among a node's bounds: 0 for the least, 3 for the greatest.
-    first: [u32; 3],
-    t_min: f32,
+    pub(super) first: [u32; 3],
+    pub(super) t_min: f32,
 }
 
 /// The planes on one side along one axis.
 #[derive(Clone, Copy, Debug, Default)]
-struct Slab {
+pub(super) struct Slab {
     scale: f32,
     shift: f32,
 }
@@ -44,43 +42,6 @@ struct Slab {
 pub(super) const U: f32 = f32::EPSILON / 2.0;
 
 impl BoxRay {
-    /// The constants for a tree with these bounds. The ray must be finite, with a direction that is not zero.
-    #[inline(always)]
-    pub(crate) fn new(ray: &Ray, bounds: Aabb) -> Self {
-        let length = ray.dir.abs();
-        let reach = (bounds.min - ray.origin)
-            .abs()
-            .max((bounds.max - ray.origin).abs());
-        let z = reach[length.max_position()];
-        let pad = (reach + ray.origin.abs()) * (8.0 * U) + z * (112.0 * U);
-        let least = Vec3::splat(length.max_element() * 2.0_f32.powi(-40));
-        let dir = Vec3::select(length.cmplt(least), least.copysign(ray.dir), ray.dir);
-        let pad = pad.copysign(dir);
-        let inv = dir.recip();
-        let (near, far) = (inv * (1.0 - 4.0 * U), inv * (1.0 + 4.0 * U));
-        let near_shift = (ray.origin + pad) * near;
-        let far_shift = (ray.origin - pad) * far;
-        let (entry, exit) = (f32::INFINITY, f32::NEG_INFINITY);
-        Self {
-            near: [
-                Slab::new(near.x, near_shift.x, entry),
-                Slab::new(near.y, near_shift.y, entry),
-                Slab::new(near.z, near_shift.z, entry),
-            ],
-            far: [
-                Slab::new(far.x, far_shift.x, exit),
-                Slab::new(far.y, far_shift.y, exit),
-                Slab::new(far.z, far_shift.z, exit),
-            ],
-            first: [
-                3 * u32::from(dir.x.is_sign_negative()),
-                3 * u32::from(dir.y.is_sign_negative()),
-                3 * u32::from(dir.z.is_sign_negative()),
-            ],
-            t_min: ray.t.min,
-        }
-    }
-
     /// The twin of [`intersect_aabb`](crate::intersect_aabb) for a node's boxes: which are met before `t_max`,
     /// and the parameters of entry.
     #[inline(always)]
@@ -113,10 +74,10 @@ impl BoxRay {
 }
 
 impl Slab {
-    /// Constants that overflow give way to those of a ray that is always `inside`.
+    /// Constants out of range give way to those of a ray that is always `inside`.
     #[inline(always)]
-    fn new(scale: f32, shift: f32, inside: f32) -> Self {
-        if scale.is_finite() && shift.is_finite() {
+    pub(super) fn new(scale: f32, shift: f32, in_range: bool, inside: f32) -> Self {
+        if in_range {
             Self { scale, shift }
         } else {
             Self {

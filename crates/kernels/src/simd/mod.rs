@@ -9,14 +9,15 @@ mod box_ray;
 mod lanes;
 mod packet;
 mod packet_leaf;
+mod rays16;
 mod surface_list;
 mod triangle_lanes;
 mod triangle_leaf;
 
 pub(crate) use box_ray::BoxRay;
 pub use lanes::{LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit, whole_vectors};
-pub(crate) use packet::{PacketBoxes, RAYS, Rays16};
+pub(crate) use packet::PacketBoxes;
 pub(crate) use packet_leaf::PacketLeaf;
 pub use surface_list::SurfaceList;
-pub(crate) use triangle_lanes::LaneHits;
+pub(crate) use rays16::{RAYS, RayLanes, Rays16};
 pub(crate) use triangle_leaf::{LeafRay, TriangleLeaves};

@@ -1,6 +1,6 @@
 //! Sixteen rays of a packet against one triangle.
 
-use super::packet::{Rays16, Way};
+use super::rays16::Rays16;
 use super::triangle_lanes::{Distances, LaneHits, ShearedLanes};
 use crate::Triangle;
 use fearless_simd::{Simd, f32x16, prelude::*};
@@ -18,21 +18,17 @@ pub(crate) struct PacketLeaf<S: Simd> {
 }
 
 impl<S: Simd> PacketLeaf<S> {
+    /// For the rays like ray `one`.
     #[inline(always)]
-    pub(crate) fn new(simd: S, rays: &Rays16<S>, way: Way) -> Self {
-        let kz = way.longest();
-        let (mut kx, mut ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        if way.points_back(kz) {
-            (kx, ky) = (ky, kx);
-        }
-        let dz = rays.dir(kz);
+    pub(crate) fn new(simd: S, rays: &Rays16<S>, one: usize) -> Self {
+        let [x, y, z] = rays.ways.axes(one);
         Self {
             simd,
-            axes: [kx, ky, kz],
-            origin: [rays.origin(kx), rays.origin(ky), rays.origin(kz)],
-            shear: [rays.dir(kx) / dz, rays.dir(ky) / dz],
-            scale: f32x16::splat(simd, 1.0) / dz,
-            t_min: rays.t_min(),
+            axes: [x, y, z],
+            origin: [rays.origin[x], rays.origin[y], rays.origin[z]],
+            shear: [rays.slope[x], rays.slope[y]],
+            scale: rays.scale,
+            t_min: rays.t_min,
         }
     }
 

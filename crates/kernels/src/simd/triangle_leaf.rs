@@ -1,7 +1,7 @@
 //! A ray against the triangles of a leaf, all at once.
 
 use super::triangle_lanes::{Distances, LaneHits, ShearedLanes};
-use crate::{ShearedRay, Triangle};
+use crate::Triangle;
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
 
@@ -55,25 +55,16 @@ impl TriangleLeaves {
 /// A sheared ray, ready for leaves.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LeafRay {
-    axes: [u32; 3],
-    origin: [f32; 3],
+    /// `kx`, `ky`, `kz`.
+    pub(super) axes: [usize; 3],
+    /// Along these axes.
+    pub(super) origin: [f32; 3],
     /// `(d_kx, d_ky, 1) / d_kz`.
-    shear: [f32; 3],
-    t_min: f32,
+    pub(super) shear: [f32; 3],
+    pub(super) t_min: f32,
 }
 
 impl LeafRay {
-    #[inline(always)]
-    pub(crate) fn new(ray: &ShearedRay, t_min: f32) -> Self {
-        let (axes, origin, shear) = ray.parts();
-        Self {
-            axes: axes.map(|k| k as u32),
-            origin,
-            shear,
-            t_min,
-        }
-    }
-
     /// [`ShearedLanes::meet`] for this ray and the triangles of a leaf, up to `t_max`.
     #[inline(always)]
     pub(crate) fn meet<S: Simd>(
@@ -114,7 +105,7 @@ impl LeafRay {
     /// A component of the corners relative to the origin.
     #[inline(always)]
     fn moved<S: Simd>(&self, simd: S, rows: &[f32], n: usize, corner: usize, axis: usize) -> f32x16<S> {
-        let row = row(simd, rows, corner + self.axes[axis] as usize * n);
+        let row = row(simd, rows, corner + self.axes[axis] * n);
         row - f32x16::splat(simd, self.origin[axis])
     }
 }

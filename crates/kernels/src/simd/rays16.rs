@@ -1,0 +1,285 @@
+//! Sixteen rays made ready for boxes and triangles at once.
+
+use super::box_ray::{BoxRay, Slab, U};
+use super::triangle_leaf::LeafRay;
+use crate::{Aabb, Ray};
+use fearless_simd::{Simd, f32x16, prelude::*};
+
+/// Rays made ready at a time.
+pub(crate) const RAYS: usize = 16;
+
+/// What the walks need of sixteen rays, component by component. The lanes left over by fewer rays repeat the first.
+pub(crate) struct Rays16<S: Simd> {
+    pub(super) origin: [f32x16<S>; 3],
+    /// `d_i / d_kz`, with `kz` the longest axis.
+    pub(super) slope: [f32x16<S>; 3],
+    /// `1 / d_kz`.
+    pub(super) scale: f32x16<S>,
+    pub(super) near: [Slab16<S>; 3],
+    pub(super) far: [Slab16<S>; 3],
+    pub(super) t_min: f32x16<S>,
+    pub(crate) t_max: f32x16<S>,
+    pub(crate) ways: Ways,
+}
+
+/// The planes on one side along one axis: `t = plane·scale − shift`, or `(plane − origin)·scale`.
+#[derive(Clone, Copy)]
+pub(super) struct Slab16<S: Simd> {
+    pub(super) scale: f32x16<S>,
+    pub(super) shift: f32x16<S>,
+    /// The ray's origin moved by the pad.
+    pub(super) origin: f32x16<S>,
+}
+
+/// Bit masks over sixteen rays: where they go.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Ways {
+    /// Rays whose direction has the sign bit, along each axis.
+    pub(super) backward: [u32; 3],
+    /// Rays that are longer along y than along x.
+    pub(super) longer_y: u32,
+    /// Rays that are the longest along z.
+    pub(super) longest_z: u32,
+    /// Finite rays with an interval that go somewhere; no other ray hits anything.
+    pub(crate) sound: u32,
+    /// Rays whose constants for boxes do not overflow.
+    pub(crate) in_range: u32,
+}
+
+/// The vectors of one component of the rays, in the order of [`Ray`]'s fields.
+#[inline(always)]
+fn transpose<S: Simd>(simd: S, rays: &[Ray]) -> [f32x16<S>; 8] {
+    let mut lanes = [[0.0_f32; RAYS]; 8];
+    for i in 0..RAYS {
+        let ray = rays.get(i).unwrap_or(&rays[0]);
+        for axis in 0..3 {
+            lanes[axis][i] = ray.origin[axis];
+            lanes[3 + axis][i] = ray.dir[axis];
+        }
+        lanes[6][i] = ray.t.min;
+        lanes[7][i] = ray.t.max;
+    }
+    [
+        f32x16::simd_from(simd, lanes[0]),
+        f32x16::simd_from(simd, lanes[1]),
+        f32x16::simd_from(simd, lanes[2]),
+        f32x16::simd_from(simd, lanes[3]),
+        f32x16::simd_from(simd, lanes[4]),
+        f32x16::simd_from(simd, lanes[5]),
+        f32x16::simd_from(simd, lanes[6]),
+        f32x16::simd_from(simd, lanes[7]),
+    ]
+}
+
+impl<S: Simd> Rays16<S> {
+    /// At most sixteen rays, and at least one, for a tree with these bounds.
+    #[inline(always)]
+    pub(crate) fn new(simd: S, rays: &[Ray], bounds: Aabb) -> Self {
+        let [ox, oy, oz, dx, dy, dz, t_min, t_max] = transpose(simd, rays);
+        let [zero, one, infinity] = [
+            f32x16::splat(simd, 0.0),
+            f32x16::splat(simd, 1.0),
+            f32x16::splat(simd, f32::INFINITY),
+        ];
+        let (x, y, z) = (dx.abs(), dy.abs(), dz.abs());
+        let longer_y = y.simd_gt(x);
+        let xy = longer_y.select(y, x);
+        let longest_z = z.simd_gt(xy);
+        let longest = longest_z.select(z, xy);
+        let d_kz = longest_z.select(dz, longer_y.select(dy, dx));
+        let scale = one / d_kz;
+        let sound = t_min.simd_lt(t_max)
+            & x.simd_lt(infinity) & y.simd_lt(infinity) & z.simd_lt(infinity)
+            & ox.abs().simd_lt(infinity) & oy.abs().simd_lt(infinity) & oz.abs().simd_lt(infinity)
+            & scale.abs().simd_lt(infinity);
+
+        let reach = [
+            reach(simd, ox, bounds.min.x, bounds.max.x),
+            reach(simd, oy, bounds.min.y, bounds.max.y),
+            reach(simd, oz, bounds.min.z, bounds.max.z),
+        ];
+        let reach_z = longest_z.select(reach[2], longer_y.select(reach[1], reach[0]));
+        let pad = reach_z * f32x16::splat(simd, 112.0 * U);
+        let least = longest * f32x16::splat(simd, 2.0_f32.powi(-40));
+        let (nx, fx) = slabs(simd, ox, dx, reach[0], pad, least);
+        let (ny, fy) = slabs(simd, oy, dy, reach[1], pad, least);
+        let (nz, fz) = slabs(simd, oz, dz, reach[2], pad, least);
+        let in_range = nx.in_range(infinity)
+            & ny.in_range(infinity)
+            & nz.in_range(infinity)
+            & fx.in_range(infinity)
+            & fy.in_range(infinity)
+            & fz.in_range(infinity);
+        let ways = Ways {
+            backward: [
+                one.copysign(dx).simd_lt(zero).to_bitmask() as u32,
+                one.copysign(dy).simd_lt(zero).to_bitmask() as u32,
+                one.copysign(dz).simd_lt(zero).to_bitmask() as u32,
+            ],
+            longer_y: longer_y.to_bitmask() as u32,
+            longest_z: longest_z.to_bitmask() as u32,
+            sound: sound.to_bitmask() as u32 & ((1_u64 << rays.len().min(RAYS)) - 1) as u32,
+            in_range: in_range.to_bitmask() as u32,
+        };
+        Self {
+            origin: [ox, oy, oz],
+            slope: [dx / d_kz, dy / d_kz, dz / d_kz],
+            scale,
+            near: [nx, ny, nz],
+            far: [fx, fy, fz],
+            t_min,
+            t_max,
+            ways,
+        }
+    }
+
+    /// The rays apart.
+    #[inline(always)]
+    pub(crate) fn lanes(&self) -> RayLanes {
+        RayLanes {
+            origin: [self.origin[0].into(), self.origin[1].into(), self.origin[2].into()],
+            slope: [self.slope[0].into(), self.slope[1].into(), self.slope[2].into()],
+            scale: self.scale.into(),
+            near: [self.near[0].lanes(), self.near[1].lanes(), self.near[2].lanes()],
+            far: [self.far[0].lanes(), self.far[1].lanes(), self.far[2].lanes()],
+            t_min: self.t_min.into(),
+            ways: self.ways,
+        }
+    }
+}
+
+/// The greatest distance from the origin to the bounds along an axis.
+#[inline(always)]
+fn reach<S: Simd>(simd: S, origin: f32x16<S>, min: f32, max: f32) -> f32x16<S> {
+    let to_min = (f32x16::splat(simd, min) - origin).abs();
+    to_min.max((f32x16::splat(simd, max) - origin).abs())
+}
+
+/// The near and the far planes along an axis; `pad` without the axis's own part.
+#[inline(always)]
+fn slabs<S: Simd>(
+    simd: S,
+    origin: f32x16<S>,
+    dir: f32x16<S>,
+    reach: f32x16<S>,
+    pad: f32x16<S>,
+    least: f32x16<S>,
+) -> (Slab16<S>, Slab16<S>) {
+    let pad = (reach + origin.abs()) * f32x16::splat(simd, 8.0 * U) + pad;
+    let d = dir.abs().simd_lt(least).select(least.copysign(dir), dir);
+    let pad = pad.copysign(d);
+    let inv = f32x16::splat(simd, 1.0) / d;
+    (
+        Slab16::new(origin + pad, inv * f32x16::splat(simd, 1.0 - 4.0 * U)),
+        Slab16::new(origin - pad, inv * f32x16::splat(simd, 1.0 + 4.0 * U)),
+    )
+}
+
+impl<S: Simd> Slab16<S> {
+    #[inline(always)]
+    fn new(origin: f32x16<S>, scale: f32x16<S>) -> Self {
+        Self {
+            scale,
+            shift: origin * scale,
+            origin,
+        }
+    }
+
+    #[inline(always)]
+    fn in_range(&self, infinity: f32x16<S>) -> fearless_simd::mask32x16<S> {
+        self.shift.abs().simd_lt(infinity) & self.scale.abs().simd_lt(infinity)
+    }
+
+    #[inline(always)]
+    fn lanes(&self) -> [[f32; RAYS]; 2] {
+        [self.scale.into(), self.shift.into()]
+    }
+}
+
+/// Sixteen rays that are ready, to be taken one by one.
+pub(crate) struct RayLanes {
+    origin: [[f32; RAYS]; 3],
+    slope: [[f32; RAYS]; 3],
+    scale: [f32; RAYS],
+    near: [[[f32; RAYS]; 2]; 3],
+    far: [[[f32; RAYS]; 2]; 3],
+    t_min: [f32; RAYS],
+    ways: Ways,
+}
+
+impl RayLanes {
+    /// Ray `i` for boxes.
+    #[inline(always)]
+    pub(crate) fn box_ray(&self, i: usize) -> BoxRay {
+        let i = i % RAYS;
+        let bit = |mask: u32| mask >> i & 1;
+        let in_range = bit(self.ways.in_range) == 1;
+        let near = |[scale, shift]: &[[f32; RAYS]; 2]| Slab::new(scale[i], shift[i], in_range, f32::INFINITY);
+        let far = |[scale, shift]: &[[f32; RAYS]; 2]| Slab::new(scale[i], shift[i], in_range, f32::NEG_INFINITY);
+        BoxRay {
+            near: [near(&self.near[0]), near(&self.near[1]), near(&self.near[2])],
+            far: [far(&self.far[0]), far(&self.far[1]), far(&self.far[2])],
+            first: [
+                3 * bit(self.ways.backward[0]),
+                3 * bit(self.ways.backward[1]),
+                3 * bit(self.ways.backward[2]),
+            ],
+            t_min: self.t_min[i],
+        }
+    }
+
+    /// Ray `i` for leaves.
+    #[inline(always)]
+    pub(crate) fn leaf_ray(&self, i: usize) -> LeafRay {
+        let i = i % RAYS;
+        let axes = self.ways.axes(i);
+        let [x, y, z] = axes;
+        LeafRay {
+            axes,
+            origin: [self.origin[x][i], self.origin[y][i], self.origin[z][i]],
+            shear: [self.slope[x][i], self.slope[y][i], self.scale[i]],
+            t_min: self.t_min[i],
+        }
+    }
+}
+
+impl Ways {
+    /// The axes `kx`, `ky`, `kz` of ray `i`, as [`ShearedRay`](crate::ShearedRay) has them.
+    #[inline(always)]
+    pub(super) fn axes(&self, i: usize) -> [usize; 3] {
+        const AXES: [[usize; 3]; 8] = [
+            [1, 2, 0],
+            [2, 0, 1],
+            [0, 1, 2],
+            [0, 1, 2],
+            [2, 1, 0],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 0, 2],
+        ];
+        let bit = |mask: u32| (mask >> (i % RAYS) & 1) as usize;
+        let kz = if bit(self.longest_z) == 1 { 2 } else { bit(self.longer_y) };
+        AXES[(kz + 4 * bit(self.backward[kz])) % 8]
+    }
+
+    /// The rays that have the signs and the longest axis of ray `i`.
+    #[inline(always)]
+    pub(crate) fn like(&self, i: usize) -> u32 {
+        let same = |mask: u32| if mask >> (i % RAYS) & 1 == 1 { mask } else { !mask };
+        let [x, y, z] = self.backward;
+        let signs = same(x) & same(y) & same(z);
+        // Where z is the longest, it does not matter which of x and y is longer.
+        let longest = if self.longest_z >> (i % RAYS) & 1 == 1 {
+            self.longest_z
+        } else {
+            !self.longest_z & same(self.longer_y)
+        };
+        signs & longest
+    }
+
+    /// Whether ray `i` goes backwards along an axis.
+    #[inline(always)]
+    pub(super) fn is_backward(&self, i: usize, axis: usize) -> bool {
+        self.backward[axis] >> (i % RAYS) & 1 == 1
+    }
+}
