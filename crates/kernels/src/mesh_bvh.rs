@@ -188,13 +188,12 @@ impl MeshBvh {
                             }
                         }
                         if found.hit != 0 {
-                            let (u, v) = found.weights(simd);
-                            let (t, u, v): ([f32; 16], [f32; 16], [f32; 16]) = (found.t.into(), u.into(), v.into());
+                            let lanes = found.lanes();
                             let mut hit = found.hit;
                             while hit != 0 {
                                 let i = hit.trailing_zeros() as usize & 15;
                                 hit &= hit - 1;
-                                accept(&mut hits[i], &mut t_max[i], primitive, TriangleHit { t: t[i], u: u[i], v: v[i] });
+                                accept(&mut hits[i], &mut t_max[i], primitive, lanes.get(i));
                             }
                         }
                     }
@@ -311,19 +310,14 @@ impl MeshBvh {
                     return;
                 };
                 if found.hit != 0 {
-                    let (u, v) = found.weights(simd);
-                    let t_hit: [f32; 16] = found.t.into();
-                    let (u, v): ([f32; 16], [f32; 16]) = (u.into(), v.into());
+                    let lanes = found.lanes();
                     let mut left = found.hit;
                     while left != 0 {
                         let i = left.trailing_zeros() as usize & 15;
                         left &= left - 1;
-                        let hit = TriangleHit {
-                            t: t_hit[i],
-                            u: u[i],
-                            v: v[i],
-                        };
-                        accept(best, t_max, self.items[leaf.0 + i], hit);
+                        if lanes.t(i) <= *t_max {
+                            accept(best, t_max, self.items[leaf.0 + i], lanes.get(i));
+                        }
                     }
                 }
                 let mut left = found.unsure;

@@ -1,20 +1,27 @@
 //! How one ray walks the tree.
 
-use super::node::Child;
+use super::node::{Child, WIDTH};
 use super::Tree;
 use crate::simd::BoxRay;
-use fearless_simd::{Simd, prelude::*};
+use fearless_simd::{Simd, prelude::*, u32x16};
 
 /// Places on the stack: 64 levels, each leaving at most fifteen of its sixteen children.
 pub(super) const PLACES: usize = 1024;
 
 /// Children still to be visited, and where the ray enters them. Kept from ray to ray.
 #[derive(Clone, Debug)]
-pub(crate) struct Stack(Box<[(f32, Child); PLACES]>);
+pub(crate) struct Stack {
+    entries: Box<[(f32, Child); PLACES]>,
+    /// Without the parameters, which a walk to any hit does not need.
+    children: Box<[u32; PLACES]>,
+}
 
 impl Default for Stack {
     fn default() -> Self {
-        Self(Box::new([(0.0, Child::NOTHING); PLACES]))
+        Self {
+            entries: Box::new([(0.0, Child::NOTHING); PLACES]),
+            children: Box::new([0; PLACES]),
+        }
     }
 }
 
@@ -36,7 +43,7 @@ impl Tree {
         if self.nodes.is_empty() {
             return;
         }
-        let stack = &mut *stack.0;
+        let stack = &mut *stack.entries;
         let mut top = 0;
         let mut child = from;
         loop {
@@ -54,8 +61,20 @@ impl Tree {
                         continue;
                     }
                     let t_near: [f32; 16] = t_near.into();
+                    let second = hits.trailing_zeros() as usize & 15;
+                    hits &= hits - 1;
                     let base = top;
                     let mut nearest = (t_near[first], node.children[first]);
+                    let mut further = (t_near[second], node.children[second]);
+                    if further.0 < nearest.0 {
+                        (further, nearest) = (nearest, further);
+                    }
+                    stack[top % PLACES] = further;
+                    top += 1;
+                    child = nearest.1;
+                    if hits == 0 {
+                        continue;
+                    }
                     while hits != 0 {
                         let i = hits.trailing_zeros() as usize & 15;
                         hits &= hits - 1;
@@ -105,7 +124,7 @@ impl Tree {
         if self.nodes.is_empty() {
             return false;
         }
-        let stack = &mut *stack.0;
+        let stack = &mut *stack.children;
         let mut top = 0;
         let mut child = from;
         loop {
@@ -115,19 +134,18 @@ impl Tree {
                 }
             } else {
                 let node = &self.nodes[child.0 as usize];
-                let mut hits = box_ray.meet(simd, node, t_max).0.to_bitmask() as u32;
-                while hits != 0 {
-                    let i = hits.trailing_zeros() as usize & 15;
-                    hits &= hits - 1;
-                    stack[top % PLACES].1 = node.children[i];
-                    top += 1;
-                }
+                let (met, _) = box_ray.meet(simd, node, t_max);
+                let children = u32x16::simd_from(simd, node.children.map(|child| child.0));
+                let children: [u32; WIDTH] = children.compress(met).into();
+                let top_place = top % (PLACES - WIDTH);
+                stack[top_place..top_place + WIDTH].copy_from_slice(&children);
+                top += met.to_bitmask().count_ones() as usize;
             }
             if top == 0 {
                 return false;
             }
             top -= 1;
-            child = stack[top % PLACES].1;
+            child = Child(stack[top % PLACES]);
         }
     }
 }

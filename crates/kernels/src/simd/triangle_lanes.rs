@@ -1,5 +1,6 @@
 //! The watertight triangle test in sixteen lanes: one ray and sixteen triangles, or sixteen rays and one triangle.
 
+use crate::TriangleHit;
 use crate::offset::gamma;
 use fearless_simd::{Simd, f32x16, prelude::*};
 
@@ -21,13 +22,42 @@ pub(crate) struct LaneHits<S: Simd> {
 }
 
 impl<S: Simd> LaneHits<S> {
-    /// The barycentric weights of the second and third corner, in the lanes that hit.
+    /// The hits lane by lane, where they hit.
     #[inline(always)]
-    pub(crate) fn weights(&self, simd: S) -> (f32x16<S>, f32x16<S>) {
-        let [ex, ey, ez] = self.e;
-        let det = ex + ey + ez;
-        let u = ey / det;
-        (u, (ez / det).min(f32x16::splat(simd, 1.0) - u))
+    pub(crate) fn lanes(&self) -> HitLanes {
+        let [x, y, z] = self.e;
+        HitLanes {
+            t: self.t.into(),
+            e: [x.into(), y.into(), z.into()],
+        }
+    }
+}
+
+/// Hits taken apart.
+pub(crate) struct HitLanes {
+    t: [f32; 16],
+    e: [[f32; 16]; 3],
+}
+
+impl HitLanes {
+    #[inline(always)]
+    pub(crate) fn t(&self, i: usize) -> f32 {
+        self.t[i % 16]
+    }
+
+    /// The hit of a lane.
+    #[inline(always)]
+    pub(crate) fn get(&self, i: usize) -> TriangleHit {
+        let i = i % 16;
+        let [x, y, z] = [self.e[0][i], self.e[1][i], self.e[2][i]];
+        let det = x + y + z;
+        let u = y / det;
+        let v = z / det;
+        TriangleHit {
+            t: self.t[i],
+            u,
+            v: if v < 1.0 - u { v } else { 1.0 - u },
+        }
     }
 }
 
