@@ -1,0 +1,151 @@
+//! Tests of the builders.
+
+use super::*;
+use glam::Vec3;
+
+const LEAVES: Leaves = Leaves {
+    max: 16,
+    block: 8,
+    node_cost: 0.5,
+};
+
+/// Numbers in [0, 1) from a linear congruential generator (Knuth, MMIX).
+fn random() -> impl FnMut() -> f32 {
+    let mut state = 1_u64;
+    move || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as f32 / (1 << 24) as f32
+    }
+}
+
+fn random_boxes(n: usize) -> Vec<Aabb> {
+    let mut next = random();
+    (0..n)
+        .map(|_| {
+            let min = Vec3::new(next(), next(), next()) * 10.0;
+            Aabb {
+                min,
+                max: min + Vec3::new(next(), next(), next()) * 0.5,
+            }
+        })
+        .collect()
+}
+
+fn build_from(boxes: &[Aabb], leaves: &Leaves) -> BinaryTree {
+    build_binned(boxes.len(), |i| boxes[i], leaves)
+}
+
+fn holds(outer: Aabb, inner: Aabb) -> bool {
+    outer.min.cmple(inner.min).all() && outer.max.cmpge(inner.max).all()
+}
+
+/// Asserts what holds for every tree, and gives its depth.
+fn check(tree: &BinaryTree, leaves: &Leaves) -> usize {
+    let mut depths = vec![0; tree.nodes.len()];
+    let mut children = 0;
+    let mut items = 0;
+    for (i, node) in tree.nodes.iter().enumerate() {
+        let first = node.first as usize;
+        if node.count == INNER {
+            assert!(first > i);
+            for child in [first, first + 1] {
+                assert!(holds(node.aabb, tree.nodes[child].aabb));
+                depths[child] = depths[i] + 1;
+                children += 1;
+            }
+        } else {
+            assert!((1..=leaves.max).contains(&(node.count as usize)));
+            assert!(first + node.count as usize <= tree.items.len());
+            items += node.count as usize;
+        }
+    }
+    assert_eq!(children, tree.nodes.len().saturating_sub(1));
+    assert_eq!(items, tree.items.len());
+    let depth = depths.into_iter().max().unwrap_or(0);
+    assert!(depth <= SAH_DEPTH + 32);
+    depth
+}
+
+/// Asserts that a tree of whole items holds just those with a box, once each, in leaves around them.
+fn check_whole(tree: &BinaryTree, boxes: &[Aabb], leaves: &Leaves) {
+    check(tree, leaves);
+    let mut found = vec![0; boxes.len()];
+    for leaf in tree.nodes.iter().filter(|node| node.count != INNER) {
+        for &item in &tree.items[leaf.first as usize..(leaf.first + leaf.count) as usize] {
+            found[item as usize] += 1;
+            assert!(holds(leaf.aabb, boxes[item as usize]));
+        }
+    }
+    let expected = boxes.iter().map(|b| u32::from(!b.is_empty()));
+    assert!(found.into_iter().eq(expected));
+}
+
+#[test]
+fn every_item_is_in_one_leaf() {
+    for n in [0, 1, 2, 3, 16, 17, 100, 5_000, 50_000] {
+        let boxes = random_boxes(n);
+        for leaves in [
+            LEAVES,
+            Leaves {
+                max: 1,
+                block: 1,
+                node_cost: 0.0,
+            },
+        ] {
+            check_whole(&build_from(&boxes, &leaves), &boxes, &leaves);
+        }
+    }
+}
+
+/// Equal, empty, NaN, infinite and huge boxes, and such that the heuristic splits off one at a time.
+fn hostile_boxes() -> Vec<Aabb> {
+    let cube = |min: f32, max: f32| Aabb {
+        min: Vec3::splat(min),
+        max: Vec3::splat(max),
+    };
+    let mut boxes = vec![cube(0.0, 1.0); 40_000];
+    boxes.extend([
+        Aabb::EMPTY,
+        cube(f32::NAN, 1.0),
+        cube(f32::MIN, f32::MAX),
+        cube(f32::MAX, f32::MAX),
+        cube(f32::NEG_INFINITY, f32::INFINITY),
+        cube(f32::INFINITY, f32::INFINITY),
+    ]);
+    boxes.extend((-140..127).map(|k| {
+        let x = 2.0_f32.powi(k);
+        cube(x, 1.1 * x)
+    }));
+    boxes.extend((-20_000..0).map(|k| cube(1.002_f32.powi(k), 1.001 * 1.002_f32.powi(k))));
+    boxes
+}
+
+#[test]
+fn hostile_boxes_make_no_deep_tree() {
+    let boxes = hostile_boxes();
+    check_whole(&build_from(&boxes, &LEAVES), &boxes, &LEAVES);
+    let finite: Vec<Aabb> = boxes
+        .into_iter()
+        .filter(|b| b.max.cmple(Vec3::splat(1e30)).all())
+        .collect();
+    check_whole(&build_from(&finite, &LEAVES), &finite, &LEAVES);
+}
+
+/// What `build` gives on one, two and three threads.
+fn on_threads(build: impl Fn() -> BinaryTree + Sync) -> Vec<BinaryTree> {
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.expect("threads can be had").install(&build)
+    };
+    [1, 2, 3].map(on).into()
+}
+
+#[test]
+fn threads_change_nothing() {
+    for boxes in [random_boxes(100_000), hostile_boxes()] {
+        let trees = on_threads(|| build_from(&boxes, &LEAVES));
+        assert!(trees.iter().all(|tree| *tree == trees[0]));
+    }
+}
