@@ -58,22 +58,38 @@ pub(super) struct Bins {
 }
 
 impl Bins {
+    pub(super) const EMPTY: Self = Self {
+        boxes: [[Bounds::EMPTY; BINS]; 3],
+        counts: [[0; BINS]; 3],
+    };
+
     /// Sorts the references into bins.
-    pub(super) fn fill(grid: &Grid, refs: &[Reference]) -> Self {
-        let mut bins = Self {
-            boxes: [[Bounds::EMPTY; BINS]; 3],
-            counts: [[0; BINS]; 3],
-        };
-        for r in refs {
-            let place = grid.place(r).to_array();
-            for axis in 0..3 {
-                let b = place[axis].to_bits() as usize % BINS;
-                let aabb = &mut bins.boxes[axis][b];
-                *aabb = aabb.union(r.bounds);
-                bins.counts[axis][b] += 1;
-            }
+    pub(super) fn fill(&mut self, grid: &Grid, refs: &[Reference]) {
+        let quarter = refs.len() / 4;
+        let (a, rest) = refs.split_at(quarter);
+        let (b, rest) = rest.split_at(quarter);
+        let (c, rest) = rest.split_at(quarter);
+        let (d, rest) = rest.split_at(quarter);
+        for i in 0..quarter {
+            self.insert(grid, &a[i]);
+            self.insert(grid, &b[i]);
+            self.insert(grid, &c[i]);
+            self.insert(grid, &d[i]);
         }
-        bins
+        for r in rest {
+            self.insert(grid, r);
+        }
+    }
+
+    #[inline(always)]
+    fn insert(&mut self, grid: &Grid, r: &Reference) {
+        let place = grid.place(r).to_array();
+        for axis in 0..3 {
+            let b = place[axis].to_bits() as usize % BINS;
+            let aabb = &mut self.boxes[axis][b];
+            *aabb = aabb.union(r.bounds);
+            self.counts[axis][b] += 1;
+        }
     }
 
     /// Adds what lies in the bins of other references on the same grid.

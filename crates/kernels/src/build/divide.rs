@@ -7,6 +7,8 @@ use rayon::prelude::*;
 
 /// References that one thread takes at a time.
 pub(super) const CHUNK: usize = 16_384;
+/// From here on more threads than one work at a range.
+const PARALLEL: usize = 65_536;
 
 /// What a subtree is to be built from. Sides are written to `to`, and swap the two for their own.
 pub(super) struct Work<'a> {
@@ -69,8 +71,9 @@ impl Builder {
         }
         let refs = &work.from[..work.len];
         let grid = Grid::new(work.spread, work.len);
-        if work.len <= CHUNK {
-            let bins = Bins::fill(&grid, refs);
+        if work.len <= PARALLEL {
+            let mut bins = Bins::EMPTY;
+            bins.fill(&grid, refs);
             let plane = bins.best_plane(&grid, &self.leaves)?;
             return Some(Split {
                 left: vec![bins.count_left(&plane)],
@@ -81,7 +84,11 @@ impl Builder {
         }
         let parts: Vec<Bins> = refs
             .par_chunks(CHUNK)
-            .map(|chunk| Bins::fill(&grid, chunk))
+            .map(|chunk| {
+                let mut bins = Bins::EMPTY;
+                bins.fill(&grid, chunk);
+                bins
+            })
             .collect();
         let (first, rest) = parts.split_first()?;
         let mut bins = first.clone();
@@ -145,14 +152,19 @@ fn partition<'a>(work: Work<'a>, split: &Split) -> [Work<'a>; 2] {
     } = work;
     let left_len = split.left.iter().sum();
     let side = split.plane.side(&split.grid);
-    let (left_to, right_to) = to.split_at_mut(left_len);
     let spreads = if let [_] = split.left[..] {
-        scatter(
-            &from[..len],
-            [left_to, &mut right_to[..len - left_len]],
-            side,
-        )
+        let (mut l, mut r) = (0, left_len);
+        for x in &from[..len] {
+            let side = side(x);
+            let at = if side == 0 { l } else { r };
+            to[at] = *x;
+            l += 1 - side;
+            r += side;
+        }
+        let (left_to, right_to) = to.split_at_mut(left_len);
+        [spread_of(left_to), spread_of(&right_to[..len - left_len])]
     } else {
+        let (left_to, right_to) = to.split_at_mut(left_len);
         let mut rest = [&mut *left_to, &mut *right_to];
         let mut jobs = Vec::with_capacity(split.left.len());
         for (chunk, &left) in from[..len].chunks(CHUNK).zip(&split.left) {
@@ -174,6 +186,7 @@ fn partition<'a>(work: Work<'a>, split: &Split) -> [Work<'a>; 2] {
             [all[0].union(part[0]), all[1].union(part[1])]
         })
     };
+    let (left_to, right_to) = to.split_at_mut(left_len);
     let (left_from, right_from) = from.split_at_mut(left_len);
     let side = |len, i: usize, from, to| Work {
         len,

@@ -94,13 +94,15 @@ pub(crate) fn build_binned(
 
 /// References to the items that have a box.
 fn references(count: usize, aabb: impl Fn(usize) -> Aabb + Sync) -> Vec<Reference> {
-    let all = (0..count)
+    let mut refs: Vec<_> = (0..count)
         .into_par_iter()
         .with_min_len(CHUNK)
-        .map(|i| Reference::new(i as u32, aabb(i)));
-    let mut refs = Vec::new();
-    all.collect_into_vec(&mut refs);
-    refs.retain(|r| !r.bounds.to_aabb().is_empty());
+        .map(|i| Reference::new(i as u32, aabb(i)))
+        .collect();
+    let empty = |r: &Reference| r.bounds.to_aabb().is_empty();
+    if refs.par_chunks(CHUNK).any(|chunk| chunk.iter().any(empty)) {
+        refs.retain(|r| !empty(r));
+    }
     refs
 }
 
