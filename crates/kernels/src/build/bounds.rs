@@ -2,6 +2,7 @@
 
 use crate::Aabb;
 use glam::{Vec3, Vec4, Vec4Swizzles};
+use rayon::prelude::*;
 
 /// A box; the fourth components mean nothing.
 #[derive(Clone, Copy, Debug)]
@@ -24,6 +25,21 @@ impl Bounds {
             min: other.min.min(self.min),
             max: other.max.max(self.max),
         }
+    }
+
+    /// The box that both have in common; may be empty.
+    #[inline(always)]
+    pub(super) fn common(self, other: Self) -> Self {
+        Self {
+            min: self.min.max(other.min),
+            max: self.max.min(other.max),
+        }
+    }
+
+    /// Tells whether the box holds no point.
+    #[inline(always)]
+    pub(super) fn is_empty(self) -> bool {
+        self.min.cmple(self.max).bitmask() & 7 != 7
     }
 
     /// Half of the surface area; meaningless for an empty box.
@@ -72,6 +88,18 @@ impl Reference {
         self.bounds.min.w.to_bits()
     }
 
+    /// A reference to the same item with another box.
+    #[inline(always)]
+    pub(super) fn with_bounds(&self, bounds: Bounds) -> Self {
+        let Bounds { min, max } = bounds;
+        Self {
+            bounds: Bounds {
+                min: min.with_w(self.bounds.min.w),
+                max,
+            },
+        }
+    }
+
     /// Twice the centre of the box; the fourth component is tiny or meaningless.
     #[inline(always)]
     pub(super) fn center2(&self) -> Vec4 {
@@ -79,16 +107,61 @@ impl Reference {
     }
 }
 
-/// The box around the boxes.
-pub(super) fn bounds_of(refs: &[Reference]) -> Bounds {
-    refs.iter()
-        .fold(Bounds::EMPTY, |all, r| all.union(r.bounds))
+/// The boxes around references.
+#[derive(Clone, Copy)]
+pub(super) struct Extents {
+    /// Around the boxes.
+    pub(super) bounds: Bounds,
+    /// Around the doubled centres.
+    pub(super) spread: Bounds,
 }
 
-/// The box around the doubled centres.
-pub(super) fn spread_of(refs: &[Reference]) -> Bounds {
-    refs.iter().fold(Bounds::EMPTY, |all, r| {
-        let c = r.center2();
-        all.union(Bounds { min: c, max: c })
-    })
+impl Extents {
+    const NONE: Self = Self {
+        bounds: Bounds::EMPTY,
+        spread: Bounds::EMPTY,
+    };
+
+    pub(super) fn of(refs: &[Reference]) -> Self {
+        // Two at a time: the one need not wait for the other.
+        let (pairs, rest) = refs.as_chunks();
+        let mut sums = [Self::NONE; 2];
+        for [a, b] in pairs {
+            sums[0] = sums[0].including(a);
+            sums[1] = sums[1].including(b);
+        }
+        let sum = sums[0].union(sums[1]);
+        rest.iter().fold(sum, Self::including)
+    }
+
+    /// The same from many references, on all threads.
+    pub(super) fn of_many(refs: &[Reference], chunk: usize) -> Self {
+        let parts: Vec<_> = refs.par_chunks(chunk).map(Self::of).collect();
+        Self::of_all(parts)
+    }
+
+    /// The boxes around all.
+    pub(super) fn of_all(parts: impl IntoIterator<Item = Self>) -> Self {
+        parts.into_iter().fold(Self::NONE, Self::union)
+    }
+
+    #[inline(always)]
+    fn including(self, reference: &Reference) -> Self {
+        let center2 = reference.center2();
+        self.union(Self {
+            bounds: reference.bounds,
+            spread: Bounds {
+                min: center2,
+                max: center2,
+            },
+        })
+    }
+
+    #[inline(always)]
+    fn union(self, other: Self) -> Self {
+        Self {
+            bounds: self.bounds.union(other.bounds),
+            spread: self.spread.union(other.spread),
+        }
+    }
 }

@@ -14,11 +14,13 @@
 mod bins;
 mod bounds;
 mod divide;
+mod partition;
+mod spatial;
 #[cfg(test)]
 mod tests;
 
-use crate::Aabb;
-use bounds::{Bounds, Reference, bounds_of, spread_of};
+use crate::{Aabb, Triangle};
+use bounds::{Extents, Reference};
 use divide::{Builder, CHUNK, Work};
 use rayon::prelude::*;
 
@@ -27,6 +29,8 @@ pub(crate) const INNER: u32 = u32::MAX;
 /// Below this depth every split halves the items, so that no tree is deeper than this and one level for each bit of an
 /// item number.
 pub(crate) const SAH_DEPTH: usize = 32;
+/// Gives the triangle of a number.
+type GetTriangle<'a> = dyn Fn(u32) -> Triangle + Sync + 'a;
 /// Up to this many references a subtree is built by one thread.
 const SERIAL: usize = 4096;
 
@@ -75,21 +79,57 @@ pub(crate) fn build_binned(
     aabb: impl Fn(usize) -> Aabb + Sync,
     leaves: &Leaves,
 ) -> BinaryTree {
-    let mut refs = references(count, aabb);
-    let mut spare: Vec<Reference> = (0..refs.len())
-        .into_par_iter()
-        .map(|_| Reference::NOTHING)
-        .collect();
-    let (bounds, spread) = extents(&refs);
+    build(references(count, aabb), 0, leaves, None)
+}
+
+/// Builds a tree over triangles that cuts them where the boxes of two sides would overlap much.
+///
+/// A triangle that was cut is in several leaves, whose boxes together hold all of it. There are at most `spare` times the
+/// number of triangles more references than triangles. Triangles whose corners make no box are left out.
+///
+/// Source: Stich, Friedrich & Dietrich, "Spatial Splits in Bounding Volume Hierarchies", HPG 2009.
+pub(crate) fn build_spatial(
+    count: usize,
+    triangle: impl Fn(usize) -> Triangle + Sync,
+    spare: f32,
+    leaves: &Leaves,
+) -> BinaryTree {
+    let refs = references(count, |i| triangle(i).bounds());
+    let room = (refs.len() as f64 * f64::from(spare.max(0.0))) as usize;
+    build(refs, room, leaves, Some(&|i| triangle(i as usize)))
+}
+
+/// Builds a tree over references, of which cuts may make `room` more.
+fn build(
+    mut refs: Vec<Reference>,
+    room: usize,
+    leaves: &Leaves,
+    triangle: Option<&GetTriangle>,
+) -> BinaryTree {
+    let mut tree = BinaryTree::default();
+    if refs.is_empty() {
+        return tree;
+    }
+    let len = refs.len();
+    let extents = Extents::of_many(&refs, CHUNK);
+    refs.par_extend(rayon::iter::repeat_n(Reference::NOTHING, room));
+    let mut other: Vec<_> = refs.par_iter().copied().collect();
     let work = Work {
-        len: refs.len(),
+        len,
         from: &mut refs,
-        to: &mut spare,
-        bounds,
-        spread,
+        to: &mut other,
+        extents,
         depth: 0,
     };
-    build(&Builder { leaves: *leaves }, work)
+    let builder = Builder {
+        leaves: *leaves,
+        triangle,
+        area: extents.bounds.half_area(),
+    };
+    let part = grow(&builder, work);
+    tree.nodes.push(VACANT);
+    join(part, 0, &mut tree);
+    tree
 }
 
 /// References to the items that have a box.
@@ -106,33 +146,10 @@ fn references(count: usize, aabb: impl Fn(usize) -> Aabb + Sync) -> Vec<Referenc
     refs
 }
 
-/// The box around the boxes, and that around the doubled centres.
-fn extents(refs: &[Reference]) -> (Bounds, Bounds) {
-    let parts: Vec<_> = refs
-        .par_chunks(CHUNK)
-        .map(|chunk| (bounds_of(chunk), spread_of(chunk)))
-        .collect();
-    let none = (Bounds::EMPTY, Bounds::EMPTY);
-    parts
-        .into_iter()
-        .fold(none, |a, b| (a.0.union(b.0), a.1.union(b.1)))
-}
-
 /// Subtrees as the threads leave them.
 enum Part {
     Tree(BinaryTree),
     Split(Aabb, Box<[Part; 2]>),
-}
-
-fn build(builder: &Builder, work: Work) -> BinaryTree {
-    let mut tree = BinaryTree::default();
-    if work.len == 0 {
-        return tree;
-    }
-    let part = grow(builder, work);
-    tree.nodes.push(VACANT);
-    join(part, 0, &mut tree);
-    tree
 }
 
 /// Stands where a node will be.
@@ -150,7 +167,7 @@ fn grow(builder: &Builder, work: Work) -> Part {
         grow_serial(builder, work, 0, &mut tree);
         return Part::Tree(tree);
     }
-    let aabb = work.bounds.to_aabb();
+    let aabb = work.extents.bounds.to_aabb();
     let [left, right] = builder.divide(work);
     let (left, right) = rayon::join(|| grow(builder, left), || grow(builder, right));
     Part::Split(aabb, Box::new([left, right]))
@@ -158,7 +175,7 @@ fn grow(builder: &Builder, work: Work) -> Part {
 
 /// Builds a subtree on this thread; its root goes to node `place` of `tree`.
 fn grow_serial(builder: &Builder, work: Work, place: usize, tree: &mut BinaryTree) {
-    let aabb = work.bounds.to_aabb();
+    let aabb = work.extents.bounds.to_aabb();
     match builder.divide_or_leave(work) {
         Ok(sides) => {
             let first = tree.nodes.len();
