@@ -1,7 +1,7 @@
 //! Tests of the builders.
 
 use super::*;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 const LEAVES: Leaves = Leaves {
     max: 16,
@@ -148,4 +148,165 @@ fn threads_change_nothing() {
         let trees = on_threads(|| build_from(&boxes, &LEAVES));
         assert!(trees.iter().all(|tree| *tree == trees[0]));
     }
+}
+
+/// Long thin triangles criss-cross, and small ones everywhere between them.
+fn hall(n: usize) -> Vec<Triangle> {
+    let mut next = random();
+    let mut triangles = Vec::new();
+    for i in 0..n {
+        let mut random = |size: f32| Vec3::new(next(), next(), next()) * size;
+        let (size, width) = if i % 20 == 0 {
+            (10.0, 0.02)
+        } else {
+            (0.1, 0.1)
+        };
+        let a = random(10.0 - size);
+        let b = a + random(size);
+        let c = b + random(width);
+        triangles.push(Triangle { a, b, c });
+    }
+    triangles
+}
+
+fn build_through(triangles: &[Triangle], spare: f32) -> BinaryTree {
+    build_spatial(triangles.len(), |i| triangles[i], spare, &LEAVES)
+}
+
+/// Tells whether a walk into all boxes around a point comes upon an item.
+fn leads_to(tree: &BinaryTree, node: &BinaryNode, point: DVec3, slack: DVec3, item: u32) -> bool {
+    let Aabb { min, max } = node.aabb;
+    if (min.as_dvec3() - slack).cmpgt(point).any() || (max.as_dvec3() + slack).cmplt(point).any() {
+        return false;
+    }
+    let first = node.first as usize;
+    if node.count == INNER {
+        let children = &tree.nodes[first..first + 2];
+        return children
+            .iter()
+            .any(|c| leads_to(tree, c, point, slack, item));
+    }
+    tree.items[first..first + node.count as usize].contains(&item)
+}
+
+/// Asserts that corners, points of edges and points within of all triangles are in a leaf that holds the triangle.
+fn check_covered(tree: &BinaryTree, triangles: &[Triangle]) {
+    let mut next = random();
+    for (i, t) in triangles.iter().enumerate() {
+        let [a, b, c] = [t.a, t.b, t.c].map(|p| p.as_dvec3());
+        // The points themselves are rounded, to f64.
+        let slack = 1e-15 * (a.abs() + b.abs() + c.abs());
+        for k in 0..12 {
+            let [x, y] = [next(), next()].map(f64::from);
+            let (u, v) = match k {
+                0 => (0.0, 0.0),
+                1 => (1.0, 0.0),
+                2 => (0.0, 1.0),
+                3 => (x, 0.0),
+                4 => (0.0, x),
+                5 => (x, 1.0 - x),
+                _ if x + y > 1.0 => (1.0 - x, 1.0 - y),
+                _ => (x, y),
+            };
+            let point = a * (1.0 - u - v) + b * u + c * v;
+            assert!(leads_to(tree, &tree.nodes[0], point, slack, i as u32));
+        }
+    }
+}
+
+#[test]
+fn every_point_of_every_triangle_is_in_a_leaf() {
+    let triangles = hall(20_000);
+    for far in [0.0, 1e4] {
+        let there = Vec3::new(far, -0.3 * far, 2.0 * far);
+        let moved = |t: &Triangle| Triangle {
+            a: t.a + there,
+            b: t.b + there,
+            c: t.c + there,
+        };
+        let triangles: Vec<_> = triangles.iter().map(moved).collect();
+        let tree = build_through(&triangles, 0.5);
+        check(&tree, &LEAVES);
+        assert!(tree.items.len() > 21_000 && tree.items.len() <= 30_000);
+        check_covered(&tree, &triangles);
+    }
+}
+
+#[test]
+fn little_room_is_kept_to() {
+    let triangles = hall(20_000);
+    for spare in [-1.0, 0.0, 0.01, 0.1] {
+        let tree = build_through(&triangles, spare);
+        check(&tree, &LEAVES);
+        check_covered(&tree, &triangles);
+        assert!(tree.items.len() <= 20_000 + (20_000.0 * spare.max(0.0)) as usize);
+    }
+    let boxes: Vec<_> = triangles.iter().map(Triangle::bounds).collect();
+    assert_eq!(build_through(&triangles, 0.0), build_from(&boxes, &LEAVES));
+}
+
+/// Expected cost of a ray through the root's box.
+fn cost(tree: &BinaryTree) -> f32 {
+    let cost = |node: &BinaryNode| match node.count {
+        INNER => LEAVES.node_cost * node.aabb.half_area(),
+        n => LEAVES.blocks(n) * node.aabb.half_area(),
+    };
+    tree.nodes.iter().map(cost).sum::<f32>() / tree.nodes[0].aabb.half_area()
+}
+
+#[test]
+fn cuts_make_long_thin_triangles_cheaper() {
+    let triangles = hall(20_000);
+    let (without, with) = (
+        build_through(&triangles, 0.0),
+        build_through(&triangles, 0.3),
+    );
+    assert!(
+        cost(&with) < 0.75 * cost(&without),
+        "{} {}",
+        cost(&with),
+        cost(&without)
+    );
+}
+
+#[test]
+fn hostile_triangles() {
+    let corners = [
+        0.0,
+        1.0,
+        -1.0,
+        1e-45,
+        f32::MIN_POSITIVE,
+        f32::MAX,
+        f32::MIN,
+        1e30,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::NAN,
+    ];
+    let mut next = random();
+    let mut triangles = hall(1000);
+    for many in [4, 8, corners.len()] {
+        for _ in 0..20_000 {
+            let mut corner =
+                || Vec3::from_array([(); 3].map(|()| corners[(next() * many as f32) as usize]));
+            triangles.push(Triangle {
+                a: corner(),
+                b: corner(),
+                c: corner(),
+            });
+        }
+        let tree = build_through(&triangles, 0.5);
+        check(&tree, &LEAVES);
+        if many <= 8 {
+            check_covered(&tree, &triangles);
+        }
+    }
+}
+
+#[test]
+fn threads_change_no_cuts() {
+    let triangles = hall(150_000);
+    let trees = on_threads(|| build_through(&triangles, 0.2));
+    assert!(trees.iter().all(|tree| *tree == trees[0]));
 }
