@@ -27,6 +27,16 @@ impl Bounds {
         }
     }
 
+    /// The least box that holds both; `other` may be empty in one component alone.
+    #[inline(always)]
+    pub(super) fn union_unless_empty(self, other: Self) -> Self {
+        if other.is_empty() {
+            self
+        } else {
+            self.union(other)
+        }
+    }
+
     /// The box that both have in common; may be empty.
     #[inline(always)]
     pub(super) fn common(self, other: Self) -> Self {

@@ -68,48 +68,90 @@ impl Cut {
     }
 }
 
-/// The boxes of the parts of a triangle within `within`, before and behind a plane across an axis.
-///
-/// Together they hold every point of the triangle that `within` holds. The part on one side is the convex hull of the
-/// corners there and of the points where edges cross the plane. Such a point `x = p + (q − p) t`, `t = (at − p)/(q − p)`,
-/// is computed with an error of at most 5u |q − p| + u |x| ≤ 6u (|p| + |q|) per component, short of u² (u = 2⁻²⁴: three
-/// roundings in t ≤ 1, one in the difference, one in the product, one in the sum), plus what underflow loses, which is
-/// less than the least normal number or than the same bound. The box is widened by 8u (|p| + |q|) and that number, whose own
-/// roundings the difference covers. Where `q − p` overflows, the whole edge is taken.
-fn chop(triangle: &Triangle, within: Bounds, axis: usize, at: f32) -> [Bounds; 2] {
-    let corners = [triangle.a, triangle.b, triangle.c].map(|p| p.extend(0.0));
-    let [mut before, mut behind] = [Bounds::EMPTY; 2];
-    for (p, q) in [(0, 1), (1, 2), (2, 0)].map(|(i, k)| (corners[i], corners[k])) {
-        let corner = Bounds { min: p, max: p };
-        if p[axis] <= at {
-            before = before.union(corner);
-        }
-        if p[axis] >= at {
-            behind = behind.union(corner);
-        }
-        if p[axis] < at && at < q[axis] || q[axis] < at && at < p[axis] {
-            let crossing = crossing(p, q, axis, at);
-            before = before.union(crossing);
-            behind = behind.union(crossing);
-        }
-    }
-    before.max[axis] = before.max[axis].min(at);
-    behind.min[axis] = behind.min[axis].max(at);
-    [before.common(within), behind.common(within)]
+/// A triangle's corners in the order of one coordinate.
+struct Sorted<const AXIS: usize> {
+    low: Vec4,
+    middle: Vec4,
+    high: Vec4,
+    /// Bound of the error of points computed on edges.
+    slack: Vec4,
 }
 
-/// A box that holds the point of the edge from `p` to `q` at the plane.
-#[inline(always)]
-fn crossing(p: Vec4, q: Vec4, axis: usize, at: f32) -> Bounds {
-    let edge = q - p;
-    if !edge.is_finite() {
-        return Bounds { min: p, max: p }.union(Bounds { min: q, max: q });
+impl<const AXIS: usize> Sorted<AXIS> {
+    #[inline(always)]
+    fn new(triangle: &Triangle) -> Self {
+        let order = |p: Vec4, q: Vec4| if q[AXIS] < p[AXIS] { (q, p) } else { (p, q) };
+        let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(|p| p.extend(0.0));
+        let (a, b) = order(a, b);
+        let (b, high) = order(b, c);
+        let (low, middle) = order(a, b);
+        let reach = low.abs().max(middle.abs()).max(high.abs());
+        Self {
+            low,
+            middle,
+            high,
+            slack: reach * (8.0 * f32::EPSILON) + f32::MIN_POSITIVE,
+        }
     }
-    let x = p + edge * ((at - p[axis]) / edge[axis]);
-    let slack = (p.abs() + q.abs()) * (4.0 * f32::EPSILON) + f32::MIN_POSITIVE;
-    Bounds {
-        min: x - slack,
-        max: x + slack,
+
+    /// The boxes of the parts within `within`, before and behind the plane at `at`.
+    ///
+    /// Together they hold every point of the triangle that `within` holds. The part on one side is the convex hull of
+    /// the corners there and of the points where two edges cross the plane. Such a point
+    /// `x = p + (q − p) t`, `t = (at − p)/(q − p)`, is computed with an error of at most 5u |q − p| + u |x| ≤ 12u r per
+    /// component, short of u², where r is the greatest absolute coordinate and u = 2⁻²⁴: three roundings in t ≤ 1, one each
+    /// in the difference, the product and the sum; underflow loses less than the least normal number, or than u |q − p|.
+    /// The slack of 16u r and that number also covers its own roundings. Where differences could overflow, the whole of
+    /// `within` is taken.
+    #[inline(always)]
+    fn chop(&self, within: Bounds, at: f32) -> [Bounds; 2] {
+        let Self {
+            low,
+            middle,
+            high,
+            slack,
+        } = *self;
+        if at >= high[AXIS] {
+            return [within, Bounds::EMPTY];
+        }
+        if at <= low[AXIS] {
+            return [Bounds::EMPTY, within];
+        }
+        let [mut before, mut behind] = [within; 2];
+        before.max[AXIS] = before.max[AXIS].min(at);
+        behind.min[AXIS] = behind.min[AXIS].max(at);
+        if !(slack.max_element() < 1e32) {
+            return [before, behind];
+        }
+        let on_edge = |p: Vec4, q: Vec4| p + (q - p) * ((at - p[AXIS]) / (q[AXIS] - p[AXIS]));
+        let plane = Vec4::splat(at);
+        let level = Vec4::splat(middle[AXIS]);
+        let up = level.cmple(plane);
+        let x = on_edge(low, high);
+        let y = on_edge(
+            Vec4::select(up, middle, low),
+            Vec4::select(up, high, middle),
+        );
+        let (least, most) = (x.min(y) - slack, x.max(y) + slack);
+        let below = Vec4::select(up, middle, low);
+        let above = Vec4::select(level.cmpge(plane), middle, high);
+        let hull = |p: Vec4, q: Vec4| Bounds {
+            min: p.min(q).min(least),
+            max: p.max(q).max(most),
+        };
+        [
+            hull(low, below).common(before),
+            hull(high, above).common(behind),
+        ]
+    }
+}
+
+/// The boxes of the parts of a triangle within `within`, before and behind a plane across an axis.
+fn chop(triangle: &Triangle, within: Bounds, axis: usize, at: f32) -> [Bounds; 2] {
+    match axis {
+        0 => Sorted::<0>::new(triangle).chop(within, at),
+        1 => Sorted::<1>::new(triangle).chop(within, at),
+        _ => Sorted::<2>::new(triangle).chop(within, at),
     }
 }
 
@@ -169,36 +211,42 @@ impl SpatialBins {
     };
 
     /// Sorts references into bins.
-    pub(super) fn fill(&mut self, grid: &SpatialGrid, refs: &[Reference], triangle: &GetTriangle) {
+    pub(super) fn fill(&mut self, grid: &SpatialGrid, refs: &[Reference], get: &GetTriangle) {
         for r in refs {
             let first = grid.place(r.bounds.min);
             let last = grid.place(r.bounds.max);
-            let mut corners = None;
-            for axis in 0..3 {
-                let (first, last) = (first[axis], last[axis]);
-                self.ends[axis][first][0] += 1;
-                self.ends[axis][last][1] += 1;
-                let mut rest = r.bounds;
-                if first != last {
-                    let corners = corners.get_or_insert_with(|| triangle(r.item()));
-                    for b in first..last {
-                        let part;
-                        [part, rest] = chop(corners, rest, axis, grid.plane(axis, b));
-                        if !part.is_empty() {
-                            let aabb = &mut self.boxes[axis][b];
-                            *aabb = aabb.union(part);
-                        }
-                        if rest.is_empty() {
-                            break;
-                        }
-                    }
-                }
-                if !rest.is_empty() {
-                    let aabb = &mut self.boxes[axis][last];
-                    *aabb = aabb.union(rest);
-                }
+            let triangle = first[..3] != last[..3];
+            let triangle = triangle.then(|| get(r.item()));
+            self.insert::<0>(grid, r, first, last, &triangle);
+            self.insert::<1>(grid, r, first, last, &triangle);
+            self.insert::<2>(grid, r, first, last, &triangle);
+        }
+    }
+
+    /// Adds a reference to the bins `first..=last` of an axis.
+    #[inline(always)]
+    fn insert<const AXIS: usize>(
+        &mut self,
+        grid: &SpatialGrid,
+        r: &Reference,
+        first: [usize; 4],
+        last: [usize; 4],
+        triangle: &Option<Triangle>,
+    ) {
+        let (first, last) = (first[AXIS], last[AXIS]);
+        let boxes = &mut self.boxes[AXIS];
+        self.ends[AXIS][first % BINS][0] += 1;
+        self.ends[AXIS][last % BINS][1] += 1;
+        let mut rest = r.bounds;
+        if let Some(triangle) = triangle.as_ref().filter(|_| first != last) {
+            let triangle = Sorted::<AXIS>::new(triangle);
+            for b in first..last {
+                let part;
+                [part, rest] = triangle.chop(rest, grid.plane(AXIS, b));
+                boxes[b % BINS] = boxes[b % BINS].union_unless_empty(part);
             }
         }
+        boxes[last % BINS] = boxes[last % BINS].union_unless_empty(rest);
     }
 
     /// Adds what lies in the bins of other references on the same grid.
@@ -259,5 +307,33 @@ impl SpatialBins {
             }
         }
         best
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// Both parts hold the points where the plane crosses the edges, even of the largest triangle there is.
+    #[test]
+    fn parts_meet_at_the_plane() {
+        for size in [f32::MAX, 1.0, 1e-38, 1e-45] {
+            let triangle = Triangle {
+                a: Vec3::new(-size, -size, 0.0),
+                b: Vec3::new(size, size, size),
+                c: Vec3::new(size, 0.0, -size),
+            };
+            let whole = Reference::new(0, triangle.bounds()).bounds;
+            let [before, behind] = chop(&triangle, whole, 0, 0.0);
+            for part in [before, behind] {
+                let Bounds { min, max } = part;
+                assert!(min.x <= 0.0 && 0.0 <= max.x);
+                assert!(min.y <= -0.5 * size && 0.0 <= max.y);
+                assert!(min.z <= -0.5 * size && 0.5 * size <= max.z);
+            }
+            assert!(before.max.x == 0.0 && before.min.x == -size);
+            assert!(behind.min.x == 0.0 && behind.max.y == size);
+        }
     }
 }

@@ -287,7 +287,7 @@ fn hostile_triangles() {
     let mut next = random();
     let mut triangles = hall(1000);
     for many in [4, 8, corners.len()] {
-        for _ in 0..20_000 {
+        for _ in 0..3_000 {
             let mut corner =
                 || Vec3::from_array([(); 3].map(|()| corners[(next() * many as f32) as usize]));
             triangles.push(Triangle {
