@@ -80,7 +80,10 @@ struct Sorted<const AXIS: usize> {
 impl<const AXIS: usize> Sorted<AXIS> {
     #[inline(always)]
     fn new(triangle: &Triangle) -> Self {
-        let order = |p: Vec4, q: Vec4| if q[AXIS] < p[AXIS] { (q, p) } else { (p, q) };
+        let order = |p: Vec4, q: Vec4| {
+            let swap = Vec4::splat(q[AXIS]).cmplt(Vec4::splat(p[AXIS]));
+            (Vec4::select(swap, q, p), Vec4::select(swap, p, q))
+        };
         let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(|p| p.extend(0.0));
         let (a, b) = order(a, b);
         let (b, high) = order(b, c);
@@ -181,12 +184,11 @@ impl SpatialGrid {
         }
     }
 
-    /// The bins of a corner.
+    /// The bins of a corner, plus [`INTEGERS`].
     #[inline(always)]
-    fn place(&self, corner: Vec4) -> [usize; 4] {
+    fn place(&self, corner: Vec4) -> Vec4 {
         let x = (corner - self.base) * self.scale - 0.5;
-        let x = x.max(Vec4::ZERO).min(Vec4::splat((BINS - 1) as f32)) + INTEGERS;
-        x.to_array().map(|x| x.to_bits() as usize % BINS)
+        x.max(Vec4::ZERO).min(Vec4::splat((BINS - 1) as f32)) + INTEGERS
     }
 
     /// The plane behind a bin.
@@ -215,8 +217,7 @@ impl SpatialBins {
         for r in refs {
             let first = grid.place(r.bounds.min);
             let last = grid.place(r.bounds.max);
-            let triangle = first[..3] != last[..3];
-            let triangle = triangle.then(|| get(r.item()));
+            let triangle = (first.cmpne(last).bitmask() & 7 != 0).then(|| get(r.item()));
             self.insert::<0>(grid, r, first, last, &triangle);
             self.insert::<1>(grid, r, first, last, &triangle);
             self.insert::<2>(grid, r, first, last, &triangle);
@@ -229,24 +230,24 @@ impl SpatialBins {
         &mut self,
         grid: &SpatialGrid,
         r: &Reference,
-        first: [usize; 4],
-        last: [usize; 4],
+        first: Vec4,
+        last: Vec4,
         triangle: &Option<Triangle>,
     ) {
-        let (first, last) = (first[AXIS], last[AXIS]);
+        let [first, last] = [first, last].map(|bin| bin[AXIS].to_bits() as usize % BINS);
         let boxes = &mut self.boxes[AXIS];
-        self.ends[AXIS][first % BINS][0] += 1;
-        self.ends[AXIS][last % BINS][1] += 1;
+        self.ends[AXIS][first][0] += 1;
+        self.ends[AXIS][last][1] += 1;
         let mut rest = r.bounds;
         if let Some(triangle) = triangle.as_ref().filter(|_| first != last) {
             let triangle = Sorted::<AXIS>::new(triangle);
             for b in first..last {
                 let part;
                 [part, rest] = triangle.chop(rest, grid.plane(AXIS, b));
-                boxes[b % BINS] = boxes[b % BINS].union_unless_empty(part);
+                boxes[b] = boxes[b].union_unless_empty(part);
             }
         }
-        boxes[last % BINS] = boxes[last % BINS].union_unless_empty(rest);
+        boxes[last] = boxes[last].union_unless_empty(rest);
     }
 
     /// Adds what lies in the bins of other references on the same grid.
