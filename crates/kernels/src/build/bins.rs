@@ -7,7 +7,7 @@ use glam::Vec4;
 /// Most bins along an axis: a power of two.
 pub(super) const BINS: usize = 16;
 /// f32 numbers from here to twice this are the integers: adding it rounds to the nearest.
-const INTEGERS: f32 = (1 << 23) as f32;
+pub(super) const INTEGERS: f32 = (1 << 23) as f32;
 
 /// Bins along each axis of the box of all doubled centres.
 #[derive(Clone, Copy)]
@@ -58,6 +58,7 @@ pub(super) struct Bins {
 }
 
 impl Bins {
+    /// Nothing in any bin.
     pub(super) const EMPTY: Self = Self {
         boxes: [[Bounds::EMPTY; BINS]; 3],
         counts: [[0; BINS]; 3],
@@ -65,6 +66,7 @@ impl Bins {
 
     /// Sorts the references into bins.
     pub(super) fn fill(&mut self, grid: &Grid, refs: &[Reference]) {
+        // Neighbours fall into the same bins and would wait for each other, so take four that are far apart.
         let quarter = refs.len() / 4;
         let (a, rest) = refs.split_at(quarter);
         let (b, rest) = rest.split_at(quarter);
@@ -81,11 +83,12 @@ impl Bins {
         }
     }
 
+    /// Adds a reference to its bin on each axis.
     #[inline(always)]
     fn insert(&mut self, grid: &Grid, r: &Reference) {
-        let place = grid.place(r).to_array();
-        for axis in 0..3 {
-            let b = place[axis].to_bits() as usize % BINS;
+        let [places @ .., _] = grid.place(r).to_array();
+        for (axis, place) in places.into_iter().enumerate() {
+            let b = place.to_bits() as usize % BINS;
             let aabb = &mut self.boxes[axis][b];
             *aabb = aabb.union(r.bounds);
             self.counts[axis][b] += 1;
@@ -130,6 +133,7 @@ impl Bins {
         best.cost.is_finite().then_some(best)
     }
 
+    /// The best of the planes across an axis and `best`.
     fn sweep(&self, grid: &Grid, leaves: &Leaves, axis: usize, best: &mut Plane) {
         let (boxes, counts) = (&self.boxes[axis], &self.counts[axis]);
         let mut right_cost = [f32::INFINITY; BINS];

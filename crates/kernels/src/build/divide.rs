@@ -14,7 +14,7 @@ const PARALLEL: usize = 65_536;
 /// Cuts are looked for where the boxes of the two sides overlap by this much of the area of the root, and by the other
 /// of the area of the node.
 const ROOT_OVERLAP: f32 = 1e-5;
-const NODE_OVERLAP: f32 = 0.1;
+const NODE_OVERLAP: f32 = 0.15;
 
 /// What a subtree is to be built from. Sides are written to `to`, and swap the two for their own.
 pub(super) struct Work<'a> {
@@ -149,7 +149,7 @@ impl<'t> Builder<'t> {
             }
         }
         let room = work.from.len();
-        let grid = SpatialGrid::new(work.extents.bounds);
+        let grid = SpatialGrid::new(work.extents.bounds, work.len);
         let fill = |bins: &mut SpatialBins, refs: &[Reference]| bins.fill(&grid, refs, triangle);
         let (bins, _) = gather(work, SpatialBins::EMPTY, fill, SpatialBins::add);
         let cut = bins.best_cut(&grid, &self.leaves, limit, room)?;

@@ -1,14 +1,10 @@
 //! Splits through triangles, where boxes between triangles would overlap much.
 
+use super::bins::{BINS, INTEGERS};
 use super::bounds::{Bounds, Reference};
 use super::{GetTriangle, Leaves};
-use crate::Triangle;
+use crate::{Triangle, VectorUnit};
 use glam::Vec4;
-
-/// Bins along an axis: a power of two.
-const BINS: usize = 16;
-/// f32 numbers from here to twice this are the integers: adding it rounds to the nearest.
-const INTEGERS: f32 = (1 << 23) as f32;
 
 /// A plane across an axis, and what is expected on either side of it.
 #[derive(Clone, Copy)]
@@ -78,6 +74,7 @@ struct Sorted<const AXIS: usize> {
 }
 
 impl<const AXIS: usize> Sorted<AXIS> {
+    /// Sorts the corners.
     #[inline(always)]
     fn new(triangle: &Triangle) -> Self {
         let order = |p: Vec4, q: Vec4| {
@@ -164,11 +161,15 @@ pub(super) struct SpatialGrid {
     base: Vec4,
     width: Vec4,
     scale: Vec4,
+    last: Vec4,
+    bins: usize,
 }
 
 impl SpatialGrid {
-    pub(super) fn new(bounds: Bounds) -> Self {
-        let width = ((bounds.max - bounds.min) / BINS as f32).with_w(0.0);
+    /// Bins for `len` references within `bounds`: fewer for few, which would cross many planes.
+    pub(super) fn new(bounds: Bounds, len: usize) -> Self {
+        let bins = (4 + len / 16).min(BINS);
+        let width = ((bounds.max - bounds.min) / bins as f32).with_w(0.0);
         let scale = width.to_array().map(|width| {
             let scale = 1.0 / width;
             if scale > 0.0 && scale.is_finite() {
@@ -181,6 +182,8 @@ impl SpatialGrid {
             base: bounds.min.with_w(-1.0),
             width,
             scale: Vec4::from_array(scale),
+            last: Vec4::splat((bins - 1) as f32),
+            bins,
         }
     }
 
@@ -188,7 +191,7 @@ impl SpatialGrid {
     #[inline(always)]
     fn place(&self, corner: Vec4) -> Vec4 {
         let x = (corner - self.base) * self.scale - 0.5;
-        x.max(Vec4::ZERO).min(Vec4::splat((BINS - 1) as f32)) + INTEGERS
+        x.max(Vec4::ZERO).min(self.last) + INTEGERS
     }
 
     /// The plane behind a bin.
@@ -207,6 +210,7 @@ pub(super) struct SpatialBins {
 }
 
 impl SpatialBins {
+    /// Nothing in any bin.
     pub(super) const EMPTY: Self = Self {
         boxes: [[Bounds::EMPTY; BINS]; 3],
         ends: [[[0; 2]; BINS]; 3],
@@ -214,14 +218,20 @@ impl SpatialBins {
 
     /// Sorts references into bins.
     pub(super) fn fill(&mut self, grid: &SpatialGrid, refs: &[Reference], get: &GetTriangle) {
-        for r in refs {
-            let first = grid.place(r.bounds.min);
-            let last = grid.place(r.bounds.max);
-            let triangle = (first.cmpne(last).bitmask() & 7 != 0).then(|| get(r.item()));
-            self.insert::<0>(grid, r, first, last, &triangle);
-            self.insert::<1>(grid, r, first, last, &triangle);
-            self.insert::<2>(grid, r, first, last, &triangle);
-        }
+        VectorUnit::default().run(
+            #[inline(always)]
+            || {
+                for r in refs {
+                    let first = grid.place(r.bounds.min);
+                    let last = grid.place(r.bounds.max);
+                    let across = first.cmpne(last).bitmask() & 7 != 0;
+                    let triangle = across.then(|| get(r.item()));
+                    self.insert::<0>(grid, r, first, last, &triangle);
+                    self.insert::<1>(grid, r, first, last, &triangle);
+                    self.insert::<2>(grid, r, first, last, &triangle);
+                }
+            },
+        );
     }
 
     /// Adds a reference to the bins `first..=last` of an axis.
@@ -241,10 +251,10 @@ impl SpatialBins {
         let mut rest = r.bounds;
         if let Some(triangle) = triangle.as_ref().filter(|_| first != last) {
             let triangle = Sorted::<AXIS>::new(triangle);
-            for b in first..last {
+            for (b, bin) in (first..last).zip(&mut boxes[first..last]) {
                 let part;
                 [part, rest] = triangle.chop(rest, grid.plane(AXIS, b));
-                boxes[b] = boxes[b].union_unless_empty(part);
+                *bin = bin.union_unless_empty(part);
             }
         }
         boxes[last] = boxes[last].union_unless_empty(rest);
@@ -274,37 +284,50 @@ impl SpatialBins {
         let mut best = None;
         let mut limit = limit;
         for axis in 0..3 {
-            if !(grid.scale[axis] > 0.0) {
+            if grid.scale[axis] > 0.0
+                && let Some(cut) = self.best_cut_across(axis, grid, leaves, limit, capacity)
+            {
+                limit = cut.cost;
+                best = Some(cut);
+            }
+        }
+        best
+    }
+
+    /// The same across one axis.
+    fn best_cut_across(
+        &self,
+        axis: usize,
+        grid: &SpatialGrid,
+        leaves: &Leaves,
+        mut limit: f32,
+        capacity: usize,
+    ) -> Option<Cut> {
+        let (boxes, ends) = (&self.boxes[axis], &self.ends[axis]);
+        let mut best = None;
+        let mut right = [(Bounds::EMPTY, 0); BINS + 1];
+        for b in (1..grid.bins).rev() {
+            let (aabb, count) = right[b + 1];
+            right[b] = (aabb.union(boxes[b]), count + ends[b][1]);
+        }
+        let (mut left, mut n1) = (Bounds::EMPTY, 0);
+        for b in 0..grid.bins - 1 {
+            left = left.union(boxes[b]);
+            n1 += ends[b][0];
+            let (right, n2) = right[b + 1];
+            if n1 == 0 || n2 == 0 || n1 as usize + n2 as usize > capacity {
                 continue;
             }
-            let mut right = [(Bounds::EMPTY, 0); BINS];
-            for b in (1..BINS).rev() {
-                let (aabb, count) = right[(b + 1) % BINS];
-                right[b] = (
-                    aabb.union(self.boxes[axis][b]),
-                    count + self.ends[axis][b][1],
-                );
-            }
-            let (mut left, mut n1) = (Bounds::EMPTY, 0);
-            for b in 0..BINS - 1 {
-                left = left.union(self.boxes[axis][b]);
-                n1 += self.ends[axis][b][0];
-                let (right, n2) = right[b + 1];
-                if n1 == 0 || n2 == 0 || n1 as usize + n2 as usize > capacity {
-                    continue;
-                }
-                let cost =
-                    left.half_area() * leaves.blocks(n1) + right.half_area() * leaves.blocks(n2);
-                if cost < limit {
-                    limit = cost;
-                    best = Some(Cut {
-                        axis,
-                        at: grid.plane(axis, b),
-                        cost,
-                        counts: [n1 as f32, n2 as f32],
-                        bounds: [left, right],
-                    });
-                }
+            let cost = left.half_area() * leaves.blocks(n1) + right.half_area() * leaves.blocks(n2);
+            if cost < limit {
+                limit = cost;
+                best = Some(Cut {
+                    axis,
+                    at: grid.plane(axis, b),
+                    cost,
+                    counts: [n1 as f32, n2 as f32],
+                    bounds: [left, right],
+                });
             }
         }
         best
