@@ -1,5 +1,6 @@
 //! A triangle mesh made ready for rays.
 
+use crate::build::{Leaves, build_binned, build_spatial};
 use crate::bvh::{Child, PacketStack, Stack, Tree, Visit};
 use crate::simd::{PacketBoxes, PacketLeaf, RAYS, RayLanes, Rays16, TriangleLeaves};
 use crate::{Aabb, Interval, Ray, ShearedRay, Triangle, TriangleHit, VectorUnit, intersect_triangle_sheared};
@@ -52,29 +53,43 @@ pub struct MeshBvh {
     unit: VectorUnit,
 }
 
+/// One test covers sixteen triangles.
+const LEAVES: Leaves = Leaves {
+    max: 16,
+    block: 16,
+    node_cost: 1.0,
+};
+
 impl MeshBvh {
     /// Builds the hierarchy.
-    pub fn build(positions: &[Vec3], indices: &[[u32; 3]], _quality: BuildQuality) -> Self {
-        let triangle = |i: u32| {
-            let [a, b, c] = indices[i as usize].map(|i| positions[i as usize]);
+    pub fn build(positions: &[Vec3], indices: &[[u32; 3]], quality: BuildQuality) -> Self {
+        let triangle = |i: usize| {
+            let [a, b, c] = indices[i].map(|i| positions[i as usize]);
             Triangle { a, b, c }
         };
-        let boxes: Vec<Aabb> = (0..indices.len() as u32).map(|i| triangle(i).bounds()).collect();
-        let mut items: Vec<u32> = (0..indices.len() as u32)
-            .filter(|&i| triangle(i).normal() != Vec3::ZERO)
-            .collect();
-        let dropped = indices.len() - items.len();
-        let tree = Tree::build(&mut items, &boxes);
+        let binary = match quality {
+            BuildQuality::Fast => build_binned(
+                indices.len(),
+                |i| {
+                    let triangle = triangle(i);
+                    if triangle.normal() == Vec3::ZERO { Aabb::EMPTY } else { triangle.bounds() }
+                },
+                &LEAVES,
+            ),
+            BuildQuality::High => build_spatial(indices.len(), triangle, 0.3, &LEAVES),
+        };
+        let tree = Tree::new(&binary);
+        let items = binary.items;
         let mut leaves = TriangleLeaves::new(items.len());
         for (first, n) in tree.leaves() {
-            let part: Vec<Triangle> = items[first..first + n].iter().map(|&i| triangle(i)).collect();
+            let part: Vec<Triangle> = items[first..first + n].iter().map(|&i| triangle(i as usize)).collect();
             leaves.set(first, &part);
         }
         Self {
             tree,
             leaves,
             items,
-            dropped,
+            dropped: 0,
             unit: VectorUnit::default(),
         }
     }

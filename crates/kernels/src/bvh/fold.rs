@@ -1,11 +1,14 @@
 //! From a binary tree to nodes of sixteen children.
 
-use super::build::{BinaryNode, INNER};
+use crate::build::{BinaryNode, INNER};
 use super::node::{Child, Node, WIDTH};
 
 /// Folds a binary tree into one of sixteen children a node, in depth-first order.
 pub(crate) fn fold(binary: &[BinaryNode]) -> Vec<Node> {
     let mut nodes: Vec<Node> = Vec::with_capacity(binary.len() / 12 + 1);
+    if binary.is_empty() {
+        return nodes;
+    }
     // Which binary node stands for which child of which node; the root is nobody's child.
     let mut open = vec![(0, None)];
     while let Some((top, parent)) = open.pop() {

@@ -1,13 +1,12 @@
 //! Bounding volume hierarchies: sixteen boxes a node, over anything that has a box.
 
-mod build;
 mod fold;
 mod node;
 mod packet_walk;
 mod walk;
 
 use crate::Aabb;
-use build::build_binary;
+use crate::build::BinaryTree;
 use fold::fold;
 pub(crate) use node::{Child, Node, WIDTH};
 pub(crate) use packet_walk::{PacketStack, Visit};
@@ -21,18 +20,10 @@ pub(crate) struct Tree {
 }
 
 impl Tree {
-    /// Builds the tree; `items` are put in the order of its leaves.
-    pub(crate) fn build(items: &mut Vec<u32>, boxes: &[Aabb]) -> Self {
-        if items.is_empty() {
-            return Self {
-                nodes: Vec::new(),
-                bounds: Aabb::EMPTY,
-            };
-        }
-        let binary = build_binary(items, boxes);
+    pub(crate) fn new(binary: &BinaryTree) -> Self {
         Self {
-            nodes: fold(&binary),
-            bounds: binary[0].aabb,
+            nodes: fold(&binary.nodes),
+            bounds: binary.nodes.first().map_or(Aabb::EMPTY, |root| root.aabb),
         }
     }
 
