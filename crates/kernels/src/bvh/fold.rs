@@ -17,7 +17,9 @@ pub(crate) fn fold(binary: &[BinaryNode]) -> Vec<Node> {
             let node: &mut Node = &mut nodes[node];
             node.children[place] = Child::node(number);
         }
-        let members = gather(binary, top);
+        let mut members = gather(binary, top);
+        // A walk to any hit takes the last child first: the largest is likeliest to be in the way.
+        members.sort_by(|&a, &b| binary[a].aabb.half_area().total_cmp(&binary[b].aabb.half_area()));
         let mut node = Node::EMPTY;
         for (place, &member) in members.iter().enumerate() {
             let b = &binary[member];
