@@ -47,6 +47,7 @@ mod cylinder;
 mod disk;
 mod hit;
 mod mesh_bvh;
+mod mesh_walk;
 mod offset;
 mod plane;
 pub mod polynomial;

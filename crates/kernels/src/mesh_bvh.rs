@@ -1,10 +1,10 @@
 //! A triangle mesh made ready for rays.
 
 use crate::build::{Leaves, build_binned, build_spatial};
-use crate::bvh::{Child, PacketStack, Stack, Tree, Visit};
-use crate::simd::{PacketBoxes, PacketLeaf, RAYS, RayLanes, Rays16, TriangleLeaves};
-use crate::{Aabb, Interval, Ray, ShearedRay, Triangle, TriangleHit, VectorUnit, intersect_triangle_sheared};
-use fearless_simd::{Simd, dispatch};
+use crate::bvh::{Stacks, Tree};
+use crate::simd::{RAYS, TriangleLeaves};
+use crate::{Aabb, Ray, Triangle, VectorUnit};
+use fearless_simd::dispatch;
 use glam::Vec3;
 
 /// How much time a build may take for faster rays.
@@ -45,10 +45,10 @@ pub struct MeshHit {
 /// The triangles of a mesh under a hierarchy of boxes.
 #[derive(Clone, Debug)]
 pub struct MeshBvh {
-    tree: Tree,
-    leaves: TriangleLeaves,
+    pub(crate) tree: Tree,
+    pub(crate) leaves: TriangleLeaves,
     /// Numbers of the triangles, leaf by leaf.
-    items: Vec<u32>,
+    pub(crate) items: Vec<u32>,
     dropped: usize,
     unit: VectorUnit,
 }
@@ -72,7 +72,11 @@ impl MeshBvh {
                 indices.len(),
                 |i| {
                     let triangle = triangle(i);
-                    if triangle.normal() == Vec3::ZERO { Aabb::EMPTY } else { triangle.bounds() }
+                    if triangle.normal() == Vec3::ZERO {
+                        Aabb::EMPTY
+                    } else {
+                        triangle.bounds()
+                    }
                 },
                 &LEAVES,
             ),
@@ -82,7 +86,10 @@ impl MeshBvh {
         let items = binary.items;
         let mut leaves = TriangleLeaves::new(items.len());
         for (first, n) in tree.leaves() {
-            let part: Vec<Triangle> = items[first..first + n].iter().map(|&i| triangle(i as usize)).collect();
+            let part: Vec<Triangle> = items[first..first + n]
+                .iter()
+                .map(|&i| triangle(i as usize))
+                .collect();
             leaves.set(first, &part);
         }
         Self {
@@ -114,7 +121,7 @@ impl MeshBvh {
         dispatch!(self.unit.level(), simd => {
             let mut stacks = Stacks::default();
             for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
-                self.closest_16(simd, rays, hits, &mut stacks, walk);
+                self.closest_16(simd, walk, rays, &mut stacks, hits, #[inline(always)] |_, _| true);
             }
         });
     }
@@ -124,293 +131,8 @@ impl MeshBvh {
         dispatch!(self.unit.level(), simd => {
             let mut stacks = Stacks::default();
             for (rays, occluded) in rays.chunks(RAYS).zip(occluded.chunks_mut(RAYS)) {
-                self.any_16(simd, rays, occluded, &mut stacks, walk);
+                self.any_16(simd, walk, rays, &mut stacks, occluded, #[inline(always)] |_, _| true);
             }
-        });
-    }
-
-    #[inline(always)]
-    fn closest_16<S: Simd>(
-        &self,
-        simd: S,
-        rays: &[Ray],
-        hits: &mut [Option<MeshHit>],
-        stacks: &mut Stacks,
-        walk: Walk,
-    ) {
-        hits.fill(None);
-        let ready = Rays16::new(simd, rays, self.tree.bounds());
-        let lanes = ready.lanes();
-        let mut left = ready.ways.sound;
-        while left != 0 {
-            let one = left.trailing_zeros() as usize;
-            let like = if walk == Walk::Packets { left & ready.ways.like(one) & ready.ways.in_range } else { 0 };
-            if like.count_ones() >= 4 {
-                left &= !like;
-                self.closest_packet(simd, &ready, &lanes, rays, one, like, hits, stacks);
-            } else {
-                left &= left - 1;
-                let mut t_max = rays[one].t.max;
-                self.closest(simd, &rays[one], &lanes, one, &mut t_max, Child::ROOT, &mut hits[one], &mut stacks.single);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn closest_packet<S: Simd>(
-        &self,
-        simd: S,
-        ready: &Rays16<S>,
-        lanes: &RayLanes,
-        rays: &[Ray],
-        one: usize,
-        mut members: u32,
-        hits: &mut [Option<MeshHit>],
-        stacks: &mut Stacks,
-    ) {
-        let boxes = PacketBoxes::new(simd, ready, one, members);
-        let leaf = PacketLeaf::new(simd, ready, one);
-        let mut t_max = ready.t_max;
-        self.tree.walk_packet(
-            &boxes,
-            &mut members,
-            &mut t_max,
-            &mut stacks.packet,
-            #[inline(always)]
-            |visit, _, t_max, here| match visit {
-                Visit::Alone(child) => {
-                    let mut here = here;
-                    while here != 0 {
-                        let i = here.trailing_zeros() as usize & 15;
-                        here &= here - 1;
-                        self.closest(simd, &rays[i], lanes, i, &mut t_max[i], child, &mut hits[i], &mut stacks.single);
-                    }
-                }
-                Visit::Leaf(items) => {
-                    for k in 0..items.1 {
-                        let triangle = self.leaves.triangle(items, k);
-                        let Some(found) = leaf.meet(&triangle, here, *t_max) else {
-                            continue;
-                        };
-                        let primitive = self.items[items.0 + k];
-                        let mut unsure = found.unsure;
-                        while unsure != 0 {
-                            let i = unsure.trailing_zeros() as usize & 15;
-                            unsure &= unsure - 1;
-                            let t = Interval { min: rays[i].t.min, max: t_max[i] };
-                            if let Some(h) = decide(&rays[i], t, &triangle) {
-                                accept(&mut hits[i], &mut t_max[i], primitive, h);
-                            }
-                        }
-                        if found.hit != 0 {
-                            let lanes = found.lanes();
-                            let mut hit = found.hit;
-                            while hit != 0 {
-                                let i = hit.trailing_zeros() as usize & 15;
-                                hit &= hit - 1;
-                                accept(&mut hits[i], &mut t_max[i], primitive, lanes.get(i));
-                            }
-                        }
-                    }
-                }
-            },
-        );
-    }
-
-    #[inline(always)]
-    fn any_16<S: Simd>(&self, simd: S, rays: &[Ray], hits: &mut [bool], stacks: &mut Stacks, walk: Walk) {
-        hits.fill(false);
-        let ready = Rays16::new(simd, rays, self.tree.bounds());
-        let lanes = ready.lanes();
-        let mut left = ready.ways.sound;
-        while left != 0 {
-            let one = left.trailing_zeros() as usize;
-            let like = if walk == Walk::Packets { left & ready.ways.like(one) & ready.ways.in_range } else { 0 };
-            if like.count_ones() >= 4 {
-                left &= !like;
-                self.any_packet(simd, &ready, &lanes, rays, one, like, hits, stacks);
-            } else {
-                left &= left - 1;
-                hits[one] = self.any(simd, &rays[one], &lanes, one, Child::ROOT, &mut stacks.single);
-            }
-        }
-    }
-
-    #[inline(always)]
-    fn any_packet<S: Simd>(
-        &self,
-        simd: S,
-        ready: &Rays16<S>,
-        lanes: &RayLanes,
-        rays: &[Ray],
-        one: usize,
-        mut members: u32,
-        hits: &mut [bool],
-        stacks: &mut Stacks,
-    ) {
-        let boxes = PacketBoxes::new(simd, ready, one, members);
-        let leaf = PacketLeaf::new(simd, ready, one);
-        let mut t_max = ready.t_max;
-        self.tree.walk_packet(
-            &boxes,
-            &mut members,
-            &mut t_max,
-            &mut stacks.packet,
-            #[inline(always)]
-            |visit, members, t_max, here| {
-                let mut here = here;
-                match visit {
-                    Visit::Alone(child) => {
-                        while here != 0 {
-                            let i = here.trailing_zeros() as usize & 15;
-                            here &= here - 1;
-                            hits[i] = self.any(simd, &rays[i], lanes, i, child, &mut stacks.single);
-                            *members &= !(u32::from(hits[i]) << i);
-                        }
-                    }
-                    Visit::Leaf(items) => {
-                        for k in 0..items.1 {
-                            let triangle = self.leaves.triangle(items, k);
-                            let Some(found) = leaf.meet(&triangle, here, *t_max) else {
-                                continue;
-                            };
-                            let mut done = found.hit;
-                            let mut unsure = found.unsure;
-                            while unsure != 0 {
-                                let i = unsure.trailing_zeros() as usize & 15;
-                                unsure &= unsure - 1;
-                                if decide(&rays[i], rays[i].t, &triangle).is_some() {
-                                    done |= 1 << i;
-                                }
-                            }
-                            here &= !done;
-                            *members &= !done;
-                            while done != 0 {
-                                hits[done.trailing_zeros() as usize & 15] = true;
-                                done &= done - 1;
-                            }
-                            if here == 0 {
-                                break;
-                            }
-                        }
-                    }
-                }
-            },
-        );
-    }
-
-    /// Looks for a hit of ray `i` nearer than `best` under `from`.
-    #[inline(always)]
-    fn closest<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        lanes: &RayLanes,
-        i: usize,
-        t_max: &mut f32,
-        from: Child,
-        best: &mut Option<MeshHit>,
-        stack: &mut Stack,
-    ) {
-        let leaf_ray = lanes.leaf_ray(i);
-        self.tree.closest(
-            simd,
-            &lanes.box_ray(i),
-            t_max,
-            from,
-            stack,
-            #[inline(always)]
-            |leaf, t_max| {
-                let Some(found) = leaf_ray.meet(simd, &self.leaves, leaf, *t_max) else {
-                    return;
-                };
-                if found.hit != 0 {
-                    let lanes = found.lanes();
-                    let mut left = found.hit;
-                    while left != 0 {
-                        let i = left.trailing_zeros() as usize & 15;
-                        left &= left - 1;
-                        if lanes.t(i) <= *t_max {
-                            accept(best, t_max, self.items[leaf.0 + i], lanes.get(i));
-                        }
-                    }
-                }
-                let mut left = found.unsure;
-                while left != 0 {
-                    let i = left.trailing_zeros() as usize & 15;
-                    left &= left - 1;
-                    let triangle = self.leaves.triangle(leaf, i);
-                    let t = Interval { min: ray.t.min, max: *t_max };
-                    if let Some(hit) = decide(ray, t, &triangle) {
-                        accept(best, t_max, self.items[leaf.0 + i], hit);
-                    }
-                }
-            },
-        );
-    }
-
-    #[inline(always)]
-    fn any<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        lanes: &RayLanes,
-        i: usize,
-        from: Child,
-        stack: &mut Stack,
-    ) -> bool {
-        let leaf_ray = lanes.leaf_ray(i);
-        self.tree.any(
-            simd,
-            &lanes.box_ray(i),
-            ray.t.max,
-            from,
-            stack,
-            #[inline(always)]
-            |leaf| {
-                let Some(found) = leaf_ray.meet(simd, &self.leaves, leaf, ray.t.max) else {
-                    return false;
-                };
-                if found.hit != 0 {
-                    return true;
-                }
-                let mut left = found.unsure;
-                while left != 0 {
-                    let i = left.trailing_zeros() as usize & 15;
-                    left &= left - 1;
-                    if decide(ray, ray.t, &self.leaves.triangle(leaf, i)).is_some() {
-                        return true;
-                    }
-                }
-                false
-            },
-        )
-    }
-}
-
-/// The slide, for the lanes that its twin is not sure of.
-#[inline(never)]
-fn decide(ray: &Ray, t: Interval, triangle: &Triangle) -> Option<TriangleHit> {
-    intersect_triangle_sheared(&ShearedRay::new(ray), t, triangle)
-}
-
-/// Stacks of the walks, kept from ray to ray.
-#[derive(Default)]
-struct Stacks {
-    single: Stack,
-    packet: PacketStack,
-}
-
-/// Nearer wins; at equal `t` the lower number.
-#[inline(always)]
-fn accept(best: &mut Option<MeshHit>, t_max: &mut f32, primitive: u32, h: TriangleHit) {
-    if best.is_none_or(|b| h.t < b.t || (h.t == b.t && primitive < b.primitive)) {
-        *t_max = h.t;
-        *best = Some(MeshHit {
-            primitive,
-            t: h.t,
-            u: h.u,
-            v: h.v,
         });
     }
 }

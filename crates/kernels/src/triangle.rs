@@ -182,7 +182,11 @@ pub fn intersect_triangle_sheared(
     }
     let sum = e.x * a.z + e.y * b.z + e.z * c.z;
     let hit_t = sum / det * ray.s.z;
-    let ahead = if (det < 0.0) == (ray.s.z < 0.0) { sum } else { -sum };
+    let ahead = if (det < 0.0) == (ray.s.z < 0.0) {
+        sum
+    } else {
+        -sum
+    };
     if !(ahead > least_distance(reach, e) && t.contains(hit_t)) {
         return None;
     }

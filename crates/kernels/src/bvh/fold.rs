@@ -1,7 +1,7 @@
 //! From a binary tree to nodes of sixteen children.
 
-use crate::build::{BinaryNode, INNER};
 use super::node::{Child, Node, WIDTH};
+use crate::build::{BinaryNode, INNER};
 
 /// Folds a binary tree into one of sixteen children a node, in depth-first order.
 pub(crate) fn fold(binary: &[BinaryNode]) -> Vec<Node> {
@@ -19,7 +19,12 @@ pub(crate) fn fold(binary: &[BinaryNode]) -> Vec<Node> {
         }
         let mut members = gather(binary, top);
         // A walk to any hit takes the last child first: the largest is likeliest to be in the way.
-        members.sort_by(|&a, &b| binary[a].aabb.half_area().total_cmp(&binary[b].aabb.half_area()));
+        members.sort_by(|&a, &b| {
+            binary[a]
+                .aabb
+                .half_area()
+                .total_cmp(&binary[b].aabb.half_area())
+        });
         let mut node = Node::EMPTY;
         for (place, &member) in members.iter().enumerate() {
             let b = &binary[member];

@@ -44,3 +44,9 @@ impl Tree {
     }
 }
 
+/// Stacks of the walks, kept from ray to ray.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Stacks {
+    pub(crate) single: Stack,
+    pub(crate) packet: PacketStack,
+}

@@ -1,7 +1,7 @@
 //! How one ray walks the tree.
 
-use super::node::{Child, WIDTH};
 use super::Tree;
+use super::node::{Child, WIDTH};
 use crate::simd::BoxRay;
 use fearless_simd::{Simd, prelude::*, u32x16};
 
@@ -149,4 +149,3 @@ impl Tree {
         }
     }
 }
-

@@ -48,8 +48,16 @@ impl<'a, S: Simd> PacketBoxes<'a, S> {
                 Bounds::new(simd, &far[1], members, y),
                 Bounds::new(simd, &far[2], members, z),
             ],
-            near_bounds: [3 * usize::from(x), 1 + 3 * usize::from(y), 2 + 3 * usize::from(z)],
-            far_bounds: [3 * usize::from(!x), 1 + 3 * usize::from(!y), 2 + 3 * usize::from(!z)],
+            near_bounds: [
+                3 * usize::from(x),
+                1 + 3 * usize::from(y),
+                2 + 3 * usize::from(z),
+            ],
+            far_bounds: [
+                3 * usize::from(!x),
+                1 + 3 * usize::from(!y),
+                2 + 3 * usize::from(!z),
+            ],
             t_min: f32x16::splat(simd, least(simd, rays.t_min, members)),
         }
     }
@@ -96,13 +104,18 @@ impl<'a, S: Simd> PacketBoxes<'a, S> {
 
     #[inline(always)]
     fn meet(&self, slab: &Slab16<S>, node: &Node, bounds: usize, place: usize) -> f32x16<S> {
-        f32x16::splat(self.simd, node.bounds[bounds % 6][place % 16]).mul_sub(slab.scale, slab.shift)
+        f32x16::splat(self.simd, node.bounds[bounds % 6][place % 16])
+            .mul_sub(slab.scale, slab.shift)
     }
 
     /// The greatest lane among the members.
     #[inline(always)]
     pub(crate) fn greatest(&self, t: f32x16<S>, members: u32) -> f32 {
-        greatest(self.simd, t, mask32x16::from_bitmask(self.simd, members.into()))
+        greatest(
+            self.simd,
+            t,
+            mask32x16::from_bitmask(self.simd, members.into()),
+        )
     }
 }
 
@@ -133,10 +146,14 @@ impl<S: Simd> Bounds<S> {
 
 #[inline(always)]
 fn least<S: Simd>(simd: S, x: f32x16<S>, members: mask32x16<S>) -> f32 {
-    members.select(x, f32x16::splat(simd, f32::INFINITY)).reduce_min()
+    members
+        .select(x, f32x16::splat(simd, f32::INFINITY))
+        .reduce_min()
 }
 
 #[inline(always)]
 fn greatest<S: Simd>(simd: S, x: f32x16<S>, members: mask32x16<S>) -> f32 {
-    members.select(x, f32x16::splat(simd, f32::NEG_INFINITY)).reduce_max()
+    members
+        .select(x, f32x16::splat(simd, f32::NEG_INFINITY))
+        .reduce_max()
 }

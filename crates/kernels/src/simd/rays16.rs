@@ -89,8 +89,12 @@ impl<S: Simd> Rays16<S> {
         let d_kz = longest_z.select(dz, longer_y.select(dy, dx));
         let scale = one / d_kz;
         let sound = t_min.simd_lt(t_max)
-            & x.simd_lt(infinity) & y.simd_lt(infinity) & z.simd_lt(infinity)
-            & ox.abs().simd_lt(infinity) & oy.abs().simd_lt(infinity) & oz.abs().simd_lt(infinity)
+            & x.simd_lt(infinity)
+            & y.simd_lt(infinity)
+            & z.simd_lt(infinity)
+            & ox.abs().simd_lt(infinity)
+            & oy.abs().simd_lt(infinity)
+            & oz.abs().simd_lt(infinity)
             & scale.abs().simd_lt(infinity);
 
         let reach = [
@@ -137,11 +141,27 @@ impl<S: Simd> Rays16<S> {
     #[inline(always)]
     pub(crate) fn lanes(&self) -> RayLanes {
         RayLanes {
-            origin: [self.origin[0].into(), self.origin[1].into(), self.origin[2].into()],
-            slope: [self.slope[0].into(), self.slope[1].into(), self.slope[2].into()],
+            origin: [
+                self.origin[0].into(),
+                self.origin[1].into(),
+                self.origin[2].into(),
+            ],
+            slope: [
+                self.slope[0].into(),
+                self.slope[1].into(),
+                self.slope[2].into(),
+            ],
             scale: self.scale.into(),
-            near: [self.near[0].lanes(), self.near[1].lanes(), self.near[2].lanes()],
-            far: [self.far[0].lanes(), self.far[1].lanes(), self.far[2].lanes()],
+            near: [
+                self.near[0].lanes(),
+                self.near[1].lanes(),
+                self.near[2].lanes(),
+            ],
+            far: [
+                self.far[0].lanes(),
+                self.far[1].lanes(),
+                self.far[2].lanes(),
+            ],
             t_min: self.t_min.into(),
             ways: self.ways,
         }
@@ -214,10 +234,18 @@ impl RayLanes {
         let i = i % RAYS;
         let bit = |mask: u32| mask >> i & 1;
         let in_range = bit(self.ways.in_range) == 1;
-        let near = |[scale, shift]: &[[f32; RAYS]; 2]| Slab::new(scale[i], shift[i], in_range, f32::INFINITY);
-        let far = |[scale, shift]: &[[f32; RAYS]; 2]| Slab::new(scale[i], shift[i], in_range, f32::NEG_INFINITY);
+        let near = |[scale, shift]: &[[f32; RAYS]; 2]| {
+            Slab::new(scale[i], shift[i], in_range, f32::INFINITY)
+        };
+        let far = |[scale, shift]: &[[f32; RAYS]; 2]| {
+            Slab::new(scale[i], shift[i], in_range, f32::NEG_INFINITY)
+        };
         BoxRay {
-            near: [near(&self.near[0]), near(&self.near[1]), near(&self.near[2])],
+            near: [
+                near(&self.near[0]),
+                near(&self.near[1]),
+                near(&self.near[2]),
+            ],
             far: [far(&self.far[0]), far(&self.far[1]), far(&self.far[2])],
             first: [
                 3 * bit(self.ways.backward[0]),
@@ -258,14 +286,24 @@ impl Ways {
             [1, 0, 2],
         ];
         let bit = |mask: u32| (mask >> (i % RAYS) & 1) as usize;
-        let kz = if bit(self.longest_z) == 1 { 2 } else { bit(self.longer_y) };
+        let kz = if bit(self.longest_z) == 1 {
+            2
+        } else {
+            bit(self.longer_y)
+        };
         AXES[(kz + 4 * bit(self.backward[kz])) % 8]
     }
 
     /// The rays that have the signs and the longest axis of ray `i`.
     #[inline(always)]
     pub(crate) fn like(&self, i: usize) -> u32 {
-        let same = |mask: u32| if mask >> (i % RAYS) & 1 == 1 { mask } else { !mask };
+        let same = |mask: u32| {
+            if mask >> (i % RAYS) & 1 == 1 {
+                mask
+            } else {
+                !mask
+            }
+        };
         let [x, y, z] = self.backward;
         let signs = same(x) & same(y) & same(z);
         // Where z is the longest, it does not matter which of x and y is longer.

@@ -104,7 +104,14 @@ impl LeafRay {
 
     /// A component of the corners relative to the origin.
     #[inline(always)]
-    fn moved<S: Simd>(&self, simd: S, rows: &[f32], n: usize, corner: usize, axis: usize) -> f32x16<S> {
+    fn moved<S: Simd>(
+        &self,
+        simd: S,
+        rows: &[f32],
+        n: usize,
+        corner: usize,
+        axis: usize,
+    ) -> f32x16<S> {
         let row = row(simd, rows, corner + self.axes[axis] * n);
         row - f32x16::splat(simd, self.origin[axis])
     }
