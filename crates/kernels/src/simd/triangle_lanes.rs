@@ -106,17 +106,20 @@ impl<S: Simd> ShearedLanes<S> {
         let spread = x.max(y).max(depth);
         let sound = (x * y * spread).simd_le(f32x16::splat(simd, 16.0) * det.abs() * z);
         let on_edge = e[0].simd_eq(zero) | e[1].simd_eq(zero) | e[2].simd_eq(zero);
-        let unsure = members & (on_edge | !sound).to_bitmask() as u32;
 
         let sum = e[0] * a[2] + e[1] * b[2] + e[2] * c[2];
         let hit_t = sum / det * t.scale;
         // The sign of t, without the rounding of the division.
         let behind = det.simd_lt(zero) ^ t.scale.simd_lt(zero);
         let ahead = behind.select(zero - sum, sum);
+        let least = least_distance(simd, [x, y, z], e);
         let inside = t.min.simd_lt(hit_t)
             & hit_t.simd_le(t.max)
             & hit_t.simd_lt(f32x16::splat(simd, f32::INFINITY))
-            & ahead.simd_gt(least_distance(simd, [x, y, z], e));
+            & ahead.simd_gt(least);
+        // f64 moves the sum by half of its bound at most.
+        let behind = ahead.simd_le(f32x16::splat(simd, 0.5) * least);
+        let unsure = members & ((on_edge | !sound) & !behind).to_bitmask() as u32;
         LaneHits {
             hit: members & !unsure & inside.to_bitmask() as u32,
             unsure,
