@@ -14,6 +14,7 @@
 mod bins;
 mod bounds;
 mod divide;
+pub(crate) mod excess;
 mod partition;
 mod spatial;
 #[cfg(test)]

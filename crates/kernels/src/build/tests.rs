@@ -1,5 +1,6 @@
 //! Tests of the builders.
 
+use super::excess::excess_boxes;
 use super::*;
 use glam::{DVec3, Vec3};
 
@@ -267,6 +268,18 @@ fn cuts_make_long_thin_triangles_cheaper() {
         cost(&with),
         cost(&without)
     );
+}
+
+#[test]
+fn excess_tells_long_thin_triangles() {
+    let excess = |triangles: &[Triangle]| excess_boxes(triangles.len(), |i| triangles[i]);
+    let triangles = hall(20_000);
+    assert!(excess(&triangles) > 50.0);
+    let small: Vec<_> = (triangles.iter().enumerate())
+        .filter_map(|(i, t)| (i % 20 != 0).then_some(*t))
+        .collect();
+    assert!(excess(&small) < 5.0);
+    assert_eq!(excess(&[]), 0.0);
 }
 
 #[test]
