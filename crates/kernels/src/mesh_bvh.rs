@@ -57,7 +57,7 @@ pub struct MeshBvh {
 const LEAVES: Leaves = Leaves {
     max: 16,
     block: 16,
-    node_cost: 1.0,
+    node_cost: 0.3,
 };
 
 impl MeshBvh {

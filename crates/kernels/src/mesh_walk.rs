@@ -172,7 +172,7 @@ impl MeshBvh {
             &mut t_max,
             &mut stacks.packet,
             #[inline(always)]
-            |visit, _, t_max, here| match visit {
+            |visit, _, t_max, here, furthest| match visit {
                 Visit::Alone(child) => {
                     for i in lanes_of(here) {
                         let seeker = Seeker {
@@ -185,11 +185,11 @@ impl MeshBvh {
                     }
                 }
                 Visit::Leaf(items) => {
-                    for k in 0..items.1 {
-                        let triangle = self.leaves.triangle(items, k);
-                        let Some(found) = leaf.meet(&triangle, here, *t_max) else {
+                    for k in self.met_by_any(simd, &boxes, items, furthest) {
+                        let Some(found) = leaf.meet(&self.leaves, items, k, here, *t_max) else {
                             continue;
                         };
+                        let triangle = self.leaves.triangle(items, k);
                         let primitive = self.items[items.0 + k];
                         let parts = found.lanes();
                         for i in lanes_of(found.hit | found.unsure) {
@@ -234,7 +234,7 @@ impl MeshBvh {
             &mut t_max,
             &mut stacks.packet,
             #[inline(always)]
-            |visit, members, t_max, mut here| match visit {
+            |visit, members, t_max, mut here, furthest| match visit {
                 Visit::Alone(child) => {
                     for i in lanes_of(here) {
                         occluded[i] =
@@ -243,11 +243,11 @@ impl MeshBvh {
                     }
                 }
                 Visit::Leaf(items) => {
-                    for k in 0..items.1 {
-                        let triangle = self.leaves.triangle(items, k);
-                        let Some(found) = leaf.meet(&triangle, here, *t_max) else {
+                    for k in self.met_by_any(simd, &boxes, items, furthest) {
+                        let Some(found) = leaf.meet(&self.leaves, items, k, here, *t_max) else {
                             continue;
                         };
+                        let triangle = self.leaves.triangle(items, k);
                         let primitive = self.items[items.0 + k];
                         let parts = found.lanes();
                         for i in lanes_of(found.hit | found.unsure) {
@@ -358,6 +358,21 @@ impl MeshBvh {
                 false
             },
         )
+    }
+}
+
+impl MeshBvh {
+    /// The places of those triangles of a leaf whose boxes any ray of a packet may meet.
+    #[inline(always)]
+    fn met_by_any<S: Simd>(
+        &self,
+        simd: S,
+        boxes: &PacketBoxes<S>,
+        items: (usize, usize),
+        furthest: f32,
+    ) -> impl Iterator<Item = usize> + use<S> {
+        let (met, _) = boxes.meet_any(&self.leaves.boxes(simd, items), furthest);
+        lanes_of(met & ((1 << items.1) - 1))
     }
 }
 

@@ -27,7 +27,8 @@ pub(crate) enum Visit {
 }
 
 impl Tree {
-    /// Calls `visit` for each child whose box some of the `members` meet, with those rays, nearer boxes first.
+    /// Calls `visit` for each child whose box some of the `members` meet, with those rays and the greatest of
+    /// the members' ends, nearer boxes first.
     ///
     /// `visit` lowers `t_max` where it finds hits. Rays that `visit` takes out of `members` are done.
     #[inline(always)]
@@ -37,7 +38,7 @@ impl Tree {
         members: &mut u32,
         t_max: &mut f32x16<S>,
         stack: &mut PacketStack,
-        mut visit: impl FnMut(Visit, &mut u32, &mut f32x16<S>, u32),
+        mut visit: impl FnMut(Visit, &mut u32, &mut f32x16<S>, u32, f32),
     ) {
         if self.nodes.is_empty() {
             return;
@@ -48,7 +49,7 @@ impl Tree {
         let mut furthest = boxes.greatest(*t_max, *members);
         'node: loop {
             let node = &self.nodes[number];
-            let (mut hits, keys) = boxes.meet_any(node, furthest);
+            let (mut hits, keys) = boxes.meet_any(&node.bounds, furthest);
             let keys: [f32; 16] = keys.into();
             let base = top;
             while hits != 0 {
@@ -86,7 +87,7 @@ impl Tree {
                     number = child.0 as usize;
                     continue 'node;
                 };
-                visit(next, members, t_max, here);
+                visit(next, members, t_max, here, furthest);
                 furthest = boxes.greatest(*t_max, *members);
             }
         }

@@ -1,7 +1,7 @@
 //! Sixteen rays that keep together: against one box, and against sixteen boxes.
 
 use super::rays16::{Rays16, Slab16};
-use crate::bvh::Node;
+use crate::bvh::{Node, WIDTH};
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 
 /// Rays with the same signs and longest axis, and bounds of their constants over all of them.
@@ -62,26 +62,26 @@ impl<'a, S: Simd> PacketBoxes<'a, S> {
         }
     }
 
-    /// A bit for each box of a node that any ray of the packet may meet before `t_max`, and lower bounds of the parameters of entry.
+    /// A bit for each of sixteen boxes that any ray of the packet may meet before `t_max`, and lower bounds of the parameters of entry.
     #[inline(always)]
-    pub(crate) fn meet_any(&self, node: &Node, t_max: f32) -> (u32, f32x16<S>) {
-        let t_near = self.first(node, 0).max(self.first(node, 1));
-        let t_near = t_near.max(self.first(node, 2).max(self.t_min));
-        let t_far = self.last(node, 0).min(self.last(node, 1));
+    pub(crate) fn meet_any(&self, boxes: &[[f32; WIDTH]; 6], t_max: f32) -> (u32, f32x16<S>) {
+        let t_near = self.first(boxes, 0).max(self.first(boxes, 1));
+        let t_near = t_near.max(self.first(boxes, 2).max(self.t_min));
+        let t_far = self.last(boxes, 0).min(self.last(boxes, 1));
         let t_max = f32x16::splat(self.simd, t_max);
-        let t_far = t_far.min(self.last(node, 2).min(t_max));
+        let t_far = t_far.min(self.last(boxes, 2).min(t_max));
         (t_near.simd_le(t_far).to_bitmask() as u32, t_near)
     }
 
     #[inline(always)]
-    fn first(&self, node: &Node, axis: usize) -> f32x16<S> {
-        let (a, b) = self.near[axis].ends(self.simd, node, self.near_bounds[axis]);
+    fn first(&self, boxes: &[[f32; WIDTH]; 6], axis: usize) -> f32x16<S> {
+        let (a, b) = self.near[axis].ends(self.simd, boxes, self.near_bounds[axis]);
         a.min(b)
     }
 
     #[inline(always)]
-    fn last(&self, node: &Node, axis: usize) -> f32x16<S> {
-        let (a, b) = self.far[axis].ends(self.simd, node, self.far_bounds[axis]);
+    fn last(&self, boxes: &[[f32; WIDTH]; 6], axis: usize) -> f32x16<S> {
+        let (a, b) = self.far[axis].ends(self.simd, boxes, self.far_bounds[axis]);
         a.max(b)
     }
 
@@ -138,8 +138,8 @@ impl<S: Simd> Bounds<S> {
 
     /// Parameters between which, or beyond which, all rays meet the planes.
     #[inline(always)]
-    fn ends(&self, simd: S, node: &Node, bounds: usize) -> (f32x16<S>, f32x16<S>) {
-        let x = f32x16::<S>::simd_from(simd, node.bounds[bounds % 6]) - self.origin;
+    fn ends(&self, simd: S, boxes: &[[f32; WIDTH]; 6], bounds: usize) -> (f32x16<S>, f32x16<S>) {
+        let x = f32x16::<S>::simd_from(simd, boxes[bounds % 6]) - self.origin;
         (x * self.scales[0], x * self.scales[1])
     }
 }

@@ -2,9 +2,8 @@
 
 use super::rays16::Rays16;
 use super::triangle_lanes::{Distances, LaneHits, ShearedLanes};
-use crate::Triangle;
+use super::triangle_leaf::TriangleLeaves;
 use fearless_simd::{Simd, f32x16, prelude::*};
-use glam::Vec3;
 
 /// The rays of a packet, sheared along the axis that is the longest of all of them.
 pub(crate) struct PacketLeaf<S: Simd> {
@@ -32,18 +31,21 @@ impl<S: Simd> PacketLeaf<S> {
         }
     }
 
-    /// [`ShearedLanes::meet`] for the rays of `members` and one triangle, up to `t_max`.
+    /// [`ShearedLanes::meet`] for the rays of `members` and the triangle at `place` in a leaf, up to `t_max`.
     #[inline(always)]
     pub(crate) fn meet(
         &self,
-        triangle: &Triangle,
+        leaves: &TriangleLeaves,
+        leaf: (usize, usize),
+        place: usize,
         members: u32,
         t_max: f32x16<S>,
     ) -> Option<LaneHits<S>> {
+        let (rows, n) = (leaves.rows(leaf), leaf.1);
         let lanes = ShearedLanes {
-            a: self.shear(triangle.a),
-            b: self.shear(triangle.b),
-            c: self.shear(triangle.c),
+            a: self.shear(rows, n, place),
+            b: self.shear(rows, n, place + 3 * n),
+            c: self.shear(rows, n, place + 6 * n),
         };
         let t = Distances {
             min: self.t_min,
@@ -53,11 +55,13 @@ impl<S: Simd> PacketLeaf<S> {
         lanes.meet(self.simd, members, t)
     }
 
+    /// The sheared corner of which `corner` is the first component.
     #[inline(always)]
-    fn shear(&self, p: Vec3) -> [f32x16<S>; 3] {
-        let x = f32x16::splat(self.simd, p[self.axes[0]]) - self.origin[0];
-        let y = f32x16::splat(self.simd, p[self.axes[1]]) - self.origin[1];
-        let z = f32x16::splat(self.simd, p[self.axes[2]]) - self.origin[2];
+    fn shear(&self, rows: &[f32], n: usize, corner: usize) -> [f32x16<S>; 3] {
+        let [kx, ky, kz] = self.axes;
+        let x = f32x16::splat(self.simd, rows[corner + kx * n]) - self.origin[0];
+        let y = f32x16::splat(self.simd, rows[corner + ky * n]) - self.origin[1];
+        let z = f32x16::splat(self.simd, rows[corner + kz * n]) - self.origin[2];
         [x - self.shear[0] * z, y - self.shear[1] * z, z]
     }
 }

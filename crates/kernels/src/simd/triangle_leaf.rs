@@ -2,6 +2,7 @@
 
 use super::triangle_lanes::{Distances, LaneHits, ShearedLanes};
 use crate::Triangle;
+use crate::bvh::WIDTH;
 use fearless_simd::{Simd, f32x16, prelude::*};
 use glam::Vec3;
 
@@ -47,6 +48,22 @@ impl TriangleLeaves {
         }
     }
 
+    /// The rows of a leaf, and the numbers after it that a vector may read.
+    #[inline(always)]
+    pub(super) fn rows(&self, (first, n): (usize, usize)) -> &[f32] {
+        &self.rows[9 * first..9 * (first + n) + PADDING]
+    }
+
+    /// The boxes of a leaf's triangles, as a node has them.
+    #[inline(always)]
+    pub(crate) fn boxes<S: Simd>(&self, simd: S, leaf: (usize, usize)) -> [[f32; WIDTH]; 6] {
+        let (rows, n) = (self.rows(leaf), leaf.1);
+        let [min_x, max_x] = span(simd, rows, n, 0);
+        let [min_y, max_y] = span(simd, rows, n, n);
+        let [min_z, max_z] = span(simd, rows, n, 2 * n);
+        [min_x, min_y, min_z, max_x, max_y, max_z]
+    }
+
     pub(crate) fn memory(&self) -> usize {
         self.rows.capacity() * size_of::<f32>()
     }
@@ -71,10 +88,11 @@ impl LeafRay {
         &self,
         simd: S,
         leaves: &TriangleLeaves,
-        (first, n): (usize, usize),
+        leaf: (usize, usize),
         t_max: f32,
     ) -> Option<LaneHits<S>> {
-        let rows = &leaves.rows[9 * first..9 * (first + n) + PADDING];
+        let rows = leaves.rows(leaf);
+        let n = leaf.1;
         let lanes = ShearedLanes {
             a: self.shear(simd, rows, n, 0),
             b: self.shear(simd, rows, n, 3 * n),
@@ -115,6 +133,15 @@ impl LeafRay {
         let row = row(simd, rows, corner + self.axes[axis] * n);
         row - f32x16::splat(simd, self.origin[axis])
     }
+}
+
+/// The least and the greatest of the three corners' rows of one component.
+#[inline(always)]
+fn span<S: Simd>(simd: S, rows: &[f32], n: usize, component: usize) -> [[f32; WIDTH]; 2] {
+    let a = row(simd, rows, component);
+    let b = row(simd, rows, component + 3 * n);
+    let c = row(simd, rows, component + 6 * n);
+    [a.min(b).min(c).into(), a.max(b).max(c).into()]
 }
 
 #[inline(always)]
