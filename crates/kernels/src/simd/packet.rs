@@ -1,5 +1,6 @@
 //! Sixteen rays that keep together: against one box, and against sixteen boxes.
 
+use super::box_ray::U;
 use super::rays16::{Rays16, Slab16};
 use crate::bvh::{Node, WIDTH};
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
@@ -17,6 +18,7 @@ pub(crate) struct PacketBoxes<'a, S: Simd> {
 }
 
 /// The extremes of a slab's constants over the rays.
+#[derive(Clone, Copy)]
 struct Bounds<S: Simd> {
     /// The origin that gives the extreme parameter.
     origin: f32x16<S>,
@@ -35,18 +37,17 @@ impl<'a, S: Simd> PacketBoxes<'a, S> {
         ];
         let members = mask32x16::from_bitmask(simd, members.into());
         let [near, far] = [&rays.near, &rays.far];
+        let near_x = Bounds::new(simd, &near[0], members, !x);
+        let near_y = Bounds::new(simd, &near[1], members, !y);
+        let near_z = Bounds::new(simd, &near[2], members, !z);
         Self {
             simd,
             rays,
-            near: [
-                Bounds::new(simd, &near[0], members, !x),
-                Bounds::new(simd, &near[1], members, !y),
-                Bounds::new(simd, &near[2], members, !z),
-            ],
+            near: [near_x, near_y, near_z],
             far: [
-                Bounds::new(simd, &far[0], members, x),
-                Bounds::new(simd, &far[1], members, y),
-                Bounds::new(simd, &far[2], members, z),
+                near_x.beyond(simd, &far[0], members, x),
+                near_y.beyond(simd, &far[1], members, y),
+                near_z.beyond(simd, &far[2], members, z),
             ],
             near_bounds: [
                 3 * usize::from(x),
@@ -58,7 +59,7 @@ impl<'a, S: Simd> PacketBoxes<'a, S> {
                 1 + 3 * usize::from(!y),
                 2 + 3 * usize::from(!z),
             ],
-            t_min: f32x16::splat(simd, least(simd, rays.t_min, members)),
+            t_min: extreme(simd, rays.t_min, members, false),
         }
     }
 
@@ -111,28 +112,37 @@ impl<'a, S: Simd> PacketBoxes<'a, S> {
     /// The greatest lane among the members.
     #[inline(always)]
     pub(crate) fn greatest(&self, t: f32x16<S>, members: u32) -> f32 {
-        greatest(
-            self.simd,
-            t,
-            mask32x16::from_bitmask(self.simd, members.into()),
-        )
+        mask32x16::from_bitmask(self.simd, members.into())
+            .select(t, f32x16::splat(self.simd, f32::NEG_INFINITY))
+            .reduce_max()
     }
 }
 
 impl<S: Simd> Bounds<S> {
     #[inline(always)]
     fn new(simd: S, slab: &Slab16<S>, members: mask32x16<S>, greatest_origin: bool) -> Self {
-        let origin = if greatest_origin {
-            greatest(simd, slab.origin, members)
-        } else {
-            least(simd, slab.origin, members)
-        };
         Self {
-            origin: f32x16::splat(simd, origin),
+            origin: extreme(simd, slab.origin, members, greatest_origin),
             scales: [
-                f32x16::splat(simd, least(simd, slab.scale, members)),
-                f32x16::splat(simd, greatest(simd, slab.scale, members)),
+                extreme(simd, slab.scale, members, false),
+                extreme(simd, slab.scale, members, true),
             ],
+        }
+    }
+
+    /// For the far planes, whose scales are those of the near ones but for a factor of at most 1 + 10u.
+    #[inline(always)]
+    fn beyond(
+        &self,
+        simd: S,
+        far: &Slab16<S>,
+        members: mask32x16<S>,
+        greatest_origin: bool,
+    ) -> Self {
+        let wider = f32x16::splat(simd, 1.0 + 16.0 * U);
+        Self {
+            origin: extreme(simd, far.origin, members, greatest_origin),
+            scales: [self.scales[0] * wider, self.scales[1] * wider],
         }
     }
 
@@ -144,16 +154,22 @@ impl<S: Simd> Bounds<S> {
     }
 }
 
+/// The least or the greatest lane among the members, in all lanes.
 #[inline(always)]
-fn least<S: Simd>(simd: S, x: f32x16<S>, members: mask32x16<S>) -> f32 {
-    members
-        .select(x, f32x16::splat(simd, f32::INFINITY))
-        .reduce_min()
-}
-
-#[inline(always)]
-fn greatest<S: Simd>(simd: S, x: f32x16<S>, members: mask32x16<S>) -> f32 {
-    members
-        .select(x, f32x16::splat(simd, f32::NEG_INFINITY))
-        .reduce_max()
+fn extreme<S: Simd>(
+    simd: S,
+    x: f32x16<S>,
+    members: mask32x16<S>,
+    greatest: bool,
+) -> f32x16<S> {
+    let extreme = if greatest {
+        members
+            .select(x, f32x16::splat(simd, f32::NEG_INFINITY))
+            .reduce_max()
+    } else {
+        members
+            .select(x, f32x16::splat(simd, f32::INFINITY))
+            .reduce_min()
+    };
+    f32x16::splat(simd, extreme)
 }
