@@ -121,7 +121,7 @@ impl MeshBvh {
         dispatch!(self.unit.level(), simd => {
             let mut stacks = Stacks::default();
             for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
-                self.closest_16(simd, walk, rays, &mut stacks, hits, #[inline(always)] |_, _| true);
+                self.closest_16(simd, walk, rays, &mut stacks, hits, None);
             }
         });
     }
@@ -131,7 +131,7 @@ impl MeshBvh {
         dispatch!(self.unit.level(), simd => {
             let mut stacks = Stacks::default();
             for (rays, occluded) in rays.chunks(RAYS).zip(occluded.chunks_mut(RAYS)) {
-                self.any_16(simd, walk, rays, &mut stacks, occluded, #[inline(always)] |_, _| true);
+                self.any_16(simd, walk, rays, &mut stacks, occluded, None);
             }
         });
     }

@@ -2,9 +2,17 @@
 
 use crate::bvh::{Child, Stack, Stacks, Visit};
 use crate::mesh_bvh::{MeshBvh, MeshHit, Walk};
-use crate::simd::{HitLanes, PacketBoxes, PacketLeaf, RayLanes, Rays16};
+use crate::simd::{HitLanes, PacketBoxes, PacketHits, PacketLeaf, RayLanes, Rays16};
 use crate::{Interval, Ray, ShearedRay, Triangle, TriangleHit, intersect_triangle_sheared};
 use fearless_simd::Simd;
+
+/// Says of a hit of a ray, given by its place among those of the batch, whether anything is there; without it, all are.
+pub(crate) type Keep<'a> = Option<&'a dyn Fn(usize, &MeshHit) -> bool>;
+
+#[inline(always)]
+fn is_there(keep: Keep, ray: usize, hit: &MeshHit) -> bool {
+    keep.is_none_or(|keep| keep(ray, hit))
+}
 
 /// Fewer rays than these are no packet.
 const LEAST_PACKET: u32 = 4;
@@ -39,7 +47,7 @@ impl MeshBvh {
         rays: &[Ray],
         stacks: &mut Stacks,
         hits: &mut [Option<MeshHit>],
-        keep: impl Fn(usize, &MeshHit) -> bool,
+        keep: Keep,
     ) {
         hits.fill(None);
         if rays.is_empty() {
@@ -53,7 +61,7 @@ impl MeshBvh {
             let like = packet_of(walk, left, &ready, one);
             if like != 0 {
                 left &= !like;
-                self.closest_packet(simd, rays, &ready, &lanes, one, like, stacks, hits, &keep);
+                self.closest_packet(simd, rays, &ready, &lanes, one, like, stacks, hits, keep);
             } else {
                 left &= left - 1;
                 let seeker = Seeker {
@@ -62,7 +70,7 @@ impl MeshBvh {
                     t_max: &mut { rays[one].t.max },
                     best: &mut hits[one],
                 };
-                self.closest(simd, &lanes, Child::ROOT, seeker, &mut stacks.single, &keep);
+                self.closest(simd, &lanes, Child::ROOT, seeker, &mut stacks.single, keep);
             }
         }
     }
@@ -76,7 +84,7 @@ impl MeshBvh {
         rays: &[Ray],
         stacks: &mut Stacks,
         occluded: &mut [bool],
-        keep: impl Fn(usize, &MeshHit) -> bool,
+        keep: Keep,
     ) {
         occluded.fill(false);
         if rays.is_empty() {
@@ -91,7 +99,7 @@ impl MeshBvh {
             if like != 0 {
                 left &= !like;
                 self.any_packet(
-                    simd, rays, &ready, &lanes, one, like, stacks, occluded, &keep,
+                    simd, rays, &ready, &lanes, one, like, stacks, occluded, keep,
                 );
             } else {
                 left &= left - 1;
@@ -102,7 +110,7 @@ impl MeshBvh {
                     one,
                     Child::ROOT,
                     &mut stacks.single,
-                    &keep,
+                    keep,
                 );
             }
         }
@@ -158,54 +166,72 @@ impl MeshBvh {
         ready: &Rays16<S>,
         lanes: &RayLanes,
         one: usize,
-        mut members: u32,
+        members: u32,
         stacks: &mut Stacks,
         hits: &mut [Option<MeshHit>],
-        keep: &impl Fn(usize, &MeshHit) -> bool,
+        keep: Keep,
     ) {
         let boxes = PacketBoxes::new(simd, ready, one, members);
         let leaf = PacketLeaf::new(simd, ready, one);
-        let mut t_max = ready.t_max;
+        let mut best = PacketHits::new(simd, ready.t_max);
         self.tree.walk_packet(
             &boxes,
-            &mut members,
-            &mut t_max,
+            members,
+            ready.t_max,
             &mut stacks.packet,
             #[inline(always)]
-            |visit, _, t_max, here, furthest| match visit {
-                Visit::Alone(child) => {
-                    for i in lanes_of(here) {
-                        let seeker = Seeker {
-                            number: i,
-                            ray: &rays[i],
-                            t_max: &mut t_max[i],
-                            best: &mut hits[i],
-                        };
-                        self.closest(simd, lanes, child, seeker, &mut stacks.single, keep);
-                    }
-                }
-                Visit::Leaf(items) => {
-                    for k in self.met_by_any(simd, &boxes, items, furthest) {
-                        let Some(found) = leaf.meet(&self.leaves, items, k, here, *t_max) else {
-                            continue;
-                        };
-                        let triangle = self.leaves.triangle(items, k);
-                        let primitive = self.items[items.0 + k];
-                        let parts = found.lanes();
-                        for i in lanes_of(found.hit | found.unsure) {
-                            let mut seeker = Seeker {
+            |visit, here, furthest| {
+                match visit {
+                    Visit::Alone(child) => {
+                        best.settle(here, hits);
+                        for i in lanes_of(here) {
+                            let seeker = Seeker {
                                 number: i,
                                 ray: &rays[i],
-                                t_max: &mut t_max[i],
+                                t_max: &mut best.t_max[i],
                                 best: &mut hits[i],
                             };
-                            let unsure = found.unsure >> i & 1 == 1;
-                            seeker.consider(&parts, i, unsure, &triangle, primitive, keep);
+                            self.closest(simd, lanes, child, seeker, &mut stacks.single, keep);
+                            best.note(i, &hits[i]);
+                        }
+                    }
+                    Visit::Leaf(items) => {
+                        for k in self.met_by_any(simd, &boxes, items, furthest) {
+                            let found = leaf.meet(&self.leaves, items, k, here, best.t_max);
+                            let Some(found) = found else {
+                                continue;
+                            };
+                            let primitive = self.items[items.0 + k];
+                            let mut apart = found.unsure;
+                            if keep.is_some() {
+                                apart |= found.hit;
+                            } else if found.hit != 0 {
+                                best.take(&found, primitive);
+                            }
+                            if apart == 0 {
+                                continue;
+                            }
+                            let triangle = self.leaves.triangle(items, k);
+                            let parts = found.lanes();
+                            best.settle(apart, hits);
+                            for i in lanes_of(apart) {
+                                let mut seeker = Seeker {
+                                    number: i,
+                                    ray: &rays[i],
+                                    t_max: &mut best.t_max[i],
+                                    best: &mut hits[i],
+                                };
+                                let unsure = found.unsure >> i & 1 == 1;
+                                seeker.consider(&parts, i, unsure, &triangle, primitive, keep);
+                                best.note(i, &hits[i]);
+                            }
                         }
                     }
                 }
+                (0, best.t_max)
             },
         );
+        best.settle(u32::MAX, hits);
     }
 
     #[inline(always)]
@@ -220,50 +246,72 @@ impl MeshBvh {
         ready: &Rays16<S>,
         lanes: &RayLanes,
         one: usize,
-        mut members: u32,
+        members: u32,
         stacks: &mut Stacks,
         occluded: &mut [bool],
-        keep: &impl Fn(usize, &MeshHit) -> bool,
+        keep: Keep,
     ) {
         let boxes = PacketBoxes::new(simd, ready, one, members);
         let leaf = PacketLeaf::new(simd, ready, one);
-        let mut t_max = ready.t_max;
         self.tree.walk_packet(
             &boxes,
-            &mut members,
-            &mut t_max,
+            members,
+            ready.t_max,
             &mut stacks.packet,
             #[inline(always)]
-            |visit, members, t_max, mut here, furthest| match visit {
-                Visit::Alone(child) => {
-                    for i in lanes_of(here) {
-                        occluded[i] =
-                            self.any(simd, &rays[i], lanes, i, child, &mut stacks.single, keep);
-                        *members &= !(u32::from(occluded[i]) << i);
+            |visit, here, furthest| {
+                let mut done = 0;
+                match visit {
+                    Visit::Alone(child) => {
+                        for i in lanes_of(here) {
+                            let stack = &mut stacks.single;
+                            let met = self.any(simd, &rays[i], lanes, i, child, stack, keep);
+                            done |= u32::from(met) << i;
+                        }
                     }
-                }
-                Visit::Leaf(items) => {
-                    for k in self.met_by_any(simd, &boxes, items, furthest) {
-                        let Some(found) = leaf.meet(&self.leaves, items, k, here, *t_max) else {
-                            continue;
-                        };
-                        let triangle = self.leaves.triangle(items, k);
-                        let primitive = self.items[items.0 + k];
-                        let parts = found.lanes();
-                        for i in lanes_of(found.hit | found.unsure) {
-                            let unsure = found.unsure >> i & 1 == 1;
-                            let hit = taken(&parts, i, unsure, &rays[i], rays[i].t.max, &triangle);
-                            if hit.is_some_and(|hit| keep(i, &numbered(primitive, hit))) {
-                                occluded[i] = true;
-                                here &= !(1 << i);
-                                *members &= !(1 << i);
+                    Visit::Leaf(items) => {
+                        for k in self.met_by_any(simd, &boxes, items, furthest) {
+                            let left = here & !done;
+                            let found = leaf.meet(&self.leaves, items, k, left, ready.t_max);
+                            let Some(found) = found else {
+                                continue;
+                            };
+                            let mut apart = found.unsure;
+                            if keep.is_some() {
+                                apart |= found.hit;
+                            } else {
+                                done |= found.hit;
+                            }
+                            if apart != 0 {
+                                let triangle = self.leaves.triangle(items, k);
+                                let primitive = self.items[items.0 + k];
+                                let parts = found.lanes();
+                                for i in lanes_of(apart) {
+                                    let unsure = found.unsure >> i & 1 == 1;
+                                    let hit = taken(
+                                        &parts,
+                                        i,
+                                        unsure,
+                                        &rays[i],
+                                        rays[i].t.max,
+                                        &triangle,
+                                    );
+                                    let there = hit.is_some_and(|hit| {
+                                        is_there(keep, i, &numbered(primitive, hit))
+                                    });
+                                    done |= u32::from(there) << i;
+                                }
+                            }
+                            if here & !done == 0 {
+                                break;
                             }
                         }
-                        if here == 0 {
-                            break;
-                        }
                     }
                 }
+                for i in lanes_of(done) {
+                    occluded[i] = true;
+                }
+                (done, ready.t_max)
             },
         );
     }
@@ -277,7 +325,7 @@ impl MeshBvh {
         from: Child,
         seeker: Seeker,
         stack: &mut Stack,
-        keep: &impl Fn(usize, &MeshHit) -> bool,
+        keep: Keep,
     ) {
         let Seeker {
             number,
@@ -329,7 +377,7 @@ impl MeshBvh {
         number: usize,
         from: Child,
         stack: &mut Stack,
-        keep: &impl Fn(usize, &MeshHit) -> bool,
+        keep: Keep,
     ) -> bool {
         let leaf_ray = lanes.leaf_ray(number);
         self.tree.any(
@@ -351,7 +399,9 @@ impl MeshBvh {
                     let unsure = found.unsure >> i & 1 == 1;
                     let triangle = self.leaves.triangle(leaf, i);
                     let hit = taken(&parts, i, unsure, ray, ray.t.max, &triangle);
-                    if hit.is_some_and(|hit| keep(number, &numbered(self.items[leaf.0 + i], hit))) {
+                    if hit.is_some_and(|hit| {
+                        is_there(keep, number, &numbered(self.items[leaf.0 + i], hit))
+                    }) {
                         return true;
                     }
                 }
@@ -420,7 +470,7 @@ impl Seeker<'_> {
         unsure: bool,
         triangle: &Triangle,
         primitive: u32,
-        keep: &impl Fn(usize, &MeshHit) -> bool,
+        keep: Keep,
     ) {
         if !unsure && parts.t(lane) > *self.t_max {
             return;
@@ -430,7 +480,7 @@ impl Seeker<'_> {
         };
         let wins = |b: &MeshHit| hit.t < b.t || (hit.t == b.t && primitive < b.primitive);
         let hit = numbered(primitive, hit);
-        if self.best.as_ref().is_none_or(wins) && keep(self.number, &hit) {
+        if self.best.as_ref().is_none_or(wins) && is_there(keep, self.number, &hit) {
             *self.t_max = hit.t;
             *self.best = Some(hit);
         }

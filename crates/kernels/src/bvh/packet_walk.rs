@@ -35,10 +35,10 @@ impl Tree {
     pub(crate) fn walk_packet<S: Simd>(
         &self,
         boxes: &PacketBoxes<S>,
-        members: &mut u32,
-        t_max: &mut f32x16<S>,
+        mut members: u32,
+        mut t_max: f32x16<S>,
         stack: &mut PacketStack,
-        mut visit: impl FnMut(Visit, &mut u32, &mut f32x16<S>, u32, f32),
+        mut visit: impl FnMut(Visit, u32, f32) -> (u32, f32x16<S>),
     ) {
         if self.nodes.is_empty() {
             return;
@@ -46,7 +46,7 @@ impl Tree {
         let stack = &mut *stack.0;
         let mut top = 0;
         let mut number = 0;
-        let mut furthest = boxes.greatest(*t_max, *members);
+        let mut furthest = boxes.greatest(t_max, members);
         'node: loop {
             let node = &self.nodes[number];
             let (mut hits, keys) = boxes.meet_any(&node.bounds, furthest);
@@ -65,7 +65,7 @@ impl Tree {
                 top += 1;
             }
             loop {
-                if top == 0 || *members == 0 {
+                if top == 0 || members == 0 {
                     return;
                 }
                 top -= 1;
@@ -74,7 +74,7 @@ impl Tree {
                     continue;
                 }
                 let (node, place) = (&self.nodes[slot as usize / 16], slot as usize % 16);
-                let here = boxes.meet_box(node, place, *t_max) & *members;
+                let here = boxes.meet_box(node, place, t_max) & members;
                 if here == 0 {
                     continue;
                 }
@@ -87,8 +87,10 @@ impl Tree {
                     number = child.0 as usize;
                     continue 'node;
                 };
-                visit(next, members, t_max, here, furthest);
-                furthest = boxes.greatest(*t_max, *members);
+                let (done, ends) = visit(next, here, furthest);
+                members &= !done;
+                t_max = ends;
+                furthest = boxes.greatest(t_max, members);
             }
         }
     }

@@ -156,12 +156,7 @@ impl<S: Simd> Bounds<S> {
 
 /// The least or the greatest lane among the members, in all lanes.
 #[inline(always)]
-fn extreme<S: Simd>(
-    simd: S,
-    x: f32x16<S>,
-    members: mask32x16<S>,
-    greatest: bool,
-) -> f32x16<S> {
+fn extreme<S: Simd>(simd: S, x: f32x16<S>, members: mask32x16<S>, greatest: bool) -> f32x16<S> {
     let extreme = if greatest {
         members
             .select(x, f32x16::splat(simd, f32::NEG_INFINITY))

@@ -25,11 +25,13 @@ impl<S: Simd> LaneHits<S> {
     /// The hits lane by lane, where they hit.
     #[inline(always)]
     pub(crate) fn lanes(&self) -> HitLanes {
-        let [x, y, z] = self.e;
-        HitLanes {
-            t: self.t.into(),
-            e: [x.into(), y.into(), z.into()],
-        }
+        HitLanes::new(self.t, self.e)
+    }
+
+    /// The edge functions.
+    #[inline(always)]
+    pub(super) fn edges(&self) -> [f32x16<S>; 3] {
+        self.e
     }
 }
 
@@ -40,6 +42,14 @@ pub(crate) struct HitLanes {
 }
 
 impl HitLanes {
+    #[inline(always)]
+    pub(super) fn new<S: Simd>(t: f32x16<S>, [x, y, z]: [f32x16<S>; 3]) -> Self {
+        Self {
+            t: t.into(),
+            e: [x.into(), y.into(), z.into()],
+        }
+    }
+
     #[inline(always)]
     pub(crate) fn t(&self, i: usize) -> f32 {
         self.t[i % 16]
