@@ -176,6 +176,7 @@ impl MeshBvh {
         let mut best = PacketHits::new(simd, ready.t_max);
         self.tree.walk_packet(
             &boxes,
+            true,
             members,
             ready.t_max,
             &mut stacks.packet,
@@ -255,6 +256,7 @@ impl MeshBvh {
         let leaf = PacketLeaf::new(simd, ready, one);
         self.tree.walk_packet(
             &boxes,
+            false,
             members,
             ready.t_max,
             &mut stacks.packet,

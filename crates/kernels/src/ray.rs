@@ -7,6 +7,7 @@ use glam::{Affine3A, Vec3};
 /// The lower end is excluded, so that a ray that starts on a surface with `min = 0`
 /// does not hit the point it starts from; the upper end belongs to the interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Interval {
     /// Excluded lower end, 0 or greater.
     pub min: f32,
@@ -32,6 +33,7 @@ impl Interval {
 ///
 /// `dir` need not be of unit length; `t` counts in units of `|dir|`.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
 pub struct Ray {
     /// Start, at `t = 0`.
     pub origin: Vec3,

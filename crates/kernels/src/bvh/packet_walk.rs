@@ -6,7 +6,7 @@ use crate::simd::PacketBoxes;
 use fearless_simd::{Simd, f32x16, prelude::*};
 
 /// With so few rays left, each goes on alone.
-const FEW: u32 = 3;
+const FEW: u32 = 2;
 
 /// Boxes still to be tested, as sixteen times the node and the place in it, and where the first ray may enter.
 #[derive(Clone, Debug)]
@@ -35,6 +35,7 @@ impl Tree {
     pub(crate) fn walk_packet<S: Simd>(
         &self,
         boxes: &PacketBoxes<S>,
+        sorted: bool,
         mut members: u32,
         mut t_max: f32x16<S>,
         stack: &mut PacketStack,
@@ -57,7 +58,7 @@ impl Tree {
                 hits &= hits - 1;
                 let entry = (keys[i], (number * 16 + i) as u32);
                 let mut place = top;
-                while place > base && stack[(place - 1) % PLACES].0 < entry.0 {
+                while sorted && place > base && stack[(place - 1) % PLACES].0 < entry.0 {
                     stack[place % PLACES] = stack[(place - 1) % PLACES];
                     place -= 1;
                 }

@@ -3,7 +3,7 @@
 use super::box_ray::{BoxRay, Slab, U};
 use super::triangle_leaf::LeafRay;
 use crate::{Aabb, Ray};
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x8, f32x16, prelude::*};
 
 /// Rays made ready at a time.
 pub(crate) const RAYS: usize = 16;
@@ -49,25 +49,54 @@ pub(crate) struct Ways {
 /// The vectors of one component of the rays, in the order of [`Ray`]'s fields.
 #[inline(always)]
 fn transpose<S: Simd>(simd: S, rays: &[Ray]) -> [f32x16<S>; 8] {
-    let mut lanes = [[0.0_f32; RAYS]; 8];
-    for i in 0..RAYS {
-        let ray = rays.get(i).unwrap_or(&rays[0]);
-        for axis in 0..3 {
-            lanes[axis][i] = ray.origin[axis];
-            lanes[3 + axis][i] = ray.dir[axis];
-        }
-        lanes[6][i] = ray.t.min;
-        lanes[7][i] = ray.t.max;
-    }
+    let [a, b, c, d, e, f, g, h] = transpose_8(simd, rays, 0);
+    let [i, j, k, l, m, n, o, p] = transpose_8(simd, rays, 8);
     [
-        f32x16::simd_from(simd, lanes[0]),
-        f32x16::simd_from(simd, lanes[1]),
-        f32x16::simd_from(simd, lanes[2]),
-        f32x16::simd_from(simd, lanes[3]),
-        f32x16::simd_from(simd, lanes[4]),
-        f32x16::simd_from(simd, lanes[5]),
-        f32x16::simd_from(simd, lanes[6]),
-        f32x16::simd_from(simd, lanes[7]),
+        a.combine(i),
+        b.combine(j),
+        c.combine(k),
+        d.combine(l),
+        e.combine(m),
+        f.combine(n),
+        g.combine(o),
+        h.combine(p),
+    ]
+}
+
+/// Eight rays from `first` on: three rounds in which the first half is riffled with the second.
+#[inline(always)]
+fn transpose_8<S: Simd>(simd: S, rays: &[Ray], first: usize) -> [f32x8<S>; 8] {
+    let rows = [
+        row(simd, rays, first),
+        row(simd, rays, first + 1),
+        row(simd, rays, first + 2),
+        row(simd, rays, first + 3),
+        row(simd, rays, first + 4),
+        row(simd, rays, first + 5),
+        row(simd, rays, first + 6),
+        row(simd, rays, first + 7),
+    ];
+    riffle(riffle(riffle(rows)))
+}
+
+#[inline(always)]
+fn row<S: Simd>(simd: S, rays: &[Ray], i: usize) -> f32x8<S> {
+    let ray = if i < rays.len() { &rays[i] } else { &rays[0] };
+    let (o, d) = (ray.origin, ray.dir);
+    f32x8::simd_from(simd, [o.x, o.y, o.z, d.x, d.y, d.z, ray.t.min, ray.t.max])
+}
+
+#[inline(always)]
+fn riffle<S: Simd>([a, b, c, d, e, f, g, h]: [f32x8<S>; 8]) -> [f32x8<S>; 8] {
+    [
+        a.zip_low(e),
+        a.zip_high(e),
+        b.zip_low(f),
+        b.zip_high(f),
+        c.zip_low(g),
+        c.zip_high(g),
+        d.zip_low(h),
+        d.zip_high(h),
     ]
 }
 
