@@ -43,7 +43,8 @@ impl Node {
 pub(crate) struct Child(pub(crate) u32);
 
 impl Child {
-    const LEAF: u32 = 1 << 31;
+    /// The least leaf.
+    pub(crate) const LEAF: u32 = 1 << 31;
     /// Items that a tree can hold.
     pub(crate) const MOST_ITEMS: usize = 1 << 27;
     /// Items that a leaf can hold.

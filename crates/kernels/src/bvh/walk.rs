@@ -3,24 +3,29 @@
 use super::Tree;
 use super::node::{Child, WIDTH};
 use crate::simd::BoxRay;
-use fearless_simd::{Simd, prelude::*, u32x16};
+use fearless_simd::{Simd, mask32x16, prelude::*, u32x16};
 
 /// Places on the stack: 64 levels, each leaving at most fifteen of its sixteen children.
 pub(super) const PLACES: usize = 1024;
+
+/// Nodes tested for any hit before the leaves that they found.
+const ROUND: usize = 8;
 
 /// Children still to be visited, and where the ray enters them. Kept from ray to ray.
 #[derive(Clone, Debug)]
 pub(crate) struct Stack {
     entries: Box<[(f32, Child); PLACES]>,
-    /// Without the parameters, which a walk to any hit does not need.
-    children: Box<[u32; PLACES]>,
+    /// Nodes and leaves on the way to any hit.
+    nodes: Vec<u32>,
+    leaves: Box<[u32; ROUND * WIDTH]>,
 }
 
 impl Default for Stack {
     fn default() -> Self {
         Self {
             entries: Box::new([(0.0, Child::NOTHING); PLACES]),
-            children: Box::new([0; PLACES]),
+            nodes: vec![0; PLACES],
+            leaves: Box::new([0; ROUND * WIDTH]),
         }
     }
 }
@@ -110,7 +115,10 @@ impl Tree {
         }
     }
 
-    /// Tells whether `leaf` says true for any leaf whose box the ray meets; stops at the first.
+    /// Tells whether `leaf` says true for any leaf under `from` whose box the ray meets; stops at the first.
+    ///
+    /// Nodes are taken in the order in which they were found: which comes next does not depend on what the test of this one
+    /// finds, so that the processor has several in work. Leaves wait until a round of nodes is done.
     #[inline(always)]
     pub(crate) fn any<S: Simd>(
         &self,
@@ -124,28 +132,48 @@ impl Tree {
         if self.nodes.is_empty() {
             return false;
         }
-        let stack = &mut *stack.children;
-        let mut top = 0;
-        let mut child = from;
+        if from.is_leaf() {
+            return leaf(from.items());
+        }
+        let Stack { nodes, leaves, .. } = stack;
+        nodes[0] = from.0;
+        let (mut head, mut tail) = (0, 1);
         loop {
-            if child.is_leaf() {
-                if leaf(child.items()) {
-                    return true;
-                }
-            } else {
-                let node = &self.nodes[child.0 as usize];
+            let mut waiting = 0;
+            let round = tail.min(head + ROUND);
+            while head < round {
+                let node = &self.nodes[nodes[head] as usize];
+                head += 1;
                 let (met, _) = box_ray.meet(simd, node, t_max);
                 let children = u32x16::simd_from(simd, node.children.map(|child| child.0));
-                let children: [u32; WIDTH] = children.compress(met).into();
-                let top_place = top % (PLACES - WIDTH);
-                stack[top_place..top_place + WIDTH].copy_from_slice(&children);
-                top += met.to_bitmask().count_ones() as usize;
+                let is_leaf = children.simd_ge(u32x16::splat(simd, Child::LEAF));
+                let (inner, outer) = (met & !is_leaf, met & is_leaf);
+                waiting += append(&mut **leaves, waiting, children, outer);
+                tail += append(nodes, tail, children, inner);
             }
-            if top == 0 {
+            for &child in &leaves[..waiting] {
+                if leaf(Child(child).items()) {
+                    return true;
+                }
+            }
+            if head == tail {
                 return false;
             }
-            top -= 1;
-            child = Child(stack[top % PLACES]);
+            if tail + ROUND * WIDTH > nodes.len() {
+                nodes.copy_within(head..tail, 0);
+                (head, tail) = (0, tail - head);
+                if tail + ROUND * WIDTH > nodes.len() {
+                    nodes.resize(2 * nodes.len(), 0);
+                }
+            }
         }
     }
+}
+
+/// Writes the children of `mask` from `len` on; gives their number.
+#[inline(always)]
+fn append<S: Simd>(list: &mut [u32], len: usize, children: u32x16<S>, mask: mask32x16<S>) -> usize {
+    let children: [u32; WIDTH] = children.compress(mask).into();
+    list[len..len + WIDTH].copy_from_slice(&children);
+    mask.to_bitmask().count_ones() as usize
 }

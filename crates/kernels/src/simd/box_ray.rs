@@ -1,7 +1,7 @@
 //! A ray prepared for boxes: the test against the sixteen boxes of a node.
 
-use crate::bvh::{Node, WIDTH};
-use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
+use crate::bvh::{Child, Node, WIDTH};
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 
 /// A ray as the slab test wants it: `t = plane·scale − shift`, apart for the near and the far planes, with all
 /// that rounding may do moved into the constants.
@@ -29,13 +29,15 @@ pub(crate) struct BoxRay {
     /// Where the near planes are among a node's bounds: 0 for the least, 3 for the greatest.
     pub(super) first: [u32; 3],
     pub(super) t_min: f32,
+    /// The constants are out of range: all boxes count as met.
+    pub(super) everywhere: bool,
 }
 
 /// The planes on one side along one axis.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Slab {
-    scale: f32,
-    shift: f32,
+    pub(super) scale: f32,
+    pub(super) shift: f32,
 }
 
 /// Half of an ulp of 1.
@@ -51,6 +53,11 @@ impl BoxRay {
         node: &Node,
         t_max: f32,
     ) -> (mask32x16<S>, f32x16<S>) {
+        if self.everywhere {
+            let children = u32x16::simd_from(simd, node.children.map(|child| child.0));
+            let nothing = u32x16::splat(simd, Child::NOTHING.0);
+            return (!children.simd_eq(nothing), f32x16::splat(simd, self.t_min));
+        }
         let t_near = self.near(simd, node, 0).max(self.near(simd, node, 1));
         let t_min = f32x16::splat(simd, self.t_min);
         let t_near = t_near.max(self.near(simd, node, 2).max(t_min));
@@ -74,19 +81,6 @@ impl BoxRay {
 }
 
 impl Slab {
-    /// Constants out of range give way to those of a ray that is always `inside`.
-    #[inline(always)]
-    pub(super) fn new(scale: f32, shift: f32, in_range: bool, inside: f32) -> Self {
-        if in_range {
-            Self { scale, shift }
-        } else {
-            Self {
-                scale: 0.0,
-                shift: inside,
-            }
-        }
-    }
-
     #[inline(always)]
     fn meet<S: Simd>(&self, simd: S, planes: &[f32; WIDTH]) -> f32x16<S> {
         f32x16::<S>::simd_from(simd, *planes).mul_sub(

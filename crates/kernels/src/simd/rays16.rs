@@ -262,26 +262,24 @@ impl RayLanes {
     pub(crate) fn box_ray(&self, i: usize) -> BoxRay {
         let i = i % RAYS;
         let bit = |mask: u32| mask >> i & 1;
-        let in_range = bit(self.ways.in_range) == 1;
-        let near = |[scale, shift]: &[[f32; RAYS]; 2]| {
-            Slab::new(scale[i], shift[i], in_range, f32::INFINITY)
-        };
-        let far = |[scale, shift]: &[[f32; RAYS]; 2]| {
-            Slab::new(scale[i], shift[i], in_range, f32::NEG_INFINITY)
+        let slab = |[scale, shift]: &[[f32; RAYS]; 2]| Slab {
+            scale: scale[i],
+            shift: shift[i],
         };
         BoxRay {
             near: [
-                near(&self.near[0]),
-                near(&self.near[1]),
-                near(&self.near[2]),
+                slab(&self.near[0]),
+                slab(&self.near[1]),
+                slab(&self.near[2]),
             ],
-            far: [far(&self.far[0]), far(&self.far[1]), far(&self.far[2])],
+            far: [slab(&self.far[0]), slab(&self.far[1]), slab(&self.far[2])],
             first: [
                 3 * bit(self.ways.backward[0]),
                 3 * bit(self.ways.backward[1]),
                 3 * bit(self.ways.backward[2]),
             ],
             t_min: self.t_min[i],
+            everywhere: bit(self.ways.in_range) == 0,
         }
     }
 
