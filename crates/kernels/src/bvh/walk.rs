@@ -9,7 +9,7 @@ use fearless_simd::{Simd, mask32x16, prelude::*, u32x16};
 pub(super) const PLACES: usize = 1024;
 
 /// Nodes tested for any hit before the leaves that they found.
-const ROUND: usize = 8;
+const ROUND: usize = 3;
 
 /// Children still to be visited, and where the ray enters them. Kept from ray to ray.
 #[derive(Clone, Debug)]
