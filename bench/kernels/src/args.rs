@@ -40,18 +40,11 @@ pub struct Args {
 fn find<T: Copy>(all: &[T], name: impl Fn(&T) -> &'static str, list: &str) -> Result<Vec<T>, String> {
     let names = || all.iter().map(&name).collect::<Vec<_>>().join(", ");
     let one = |word: &str| all.iter().copied().find(|x| name(x) == word);
-    list.split(',')
-        .map(|word| one(word).ok_or_else(|| format!("no `{word}`; expected: {}", names())))
-        .collect()
+    list.split(',').map(|word| one(word).ok_or_else(|| format!("no `{word}`; expected: {}", names()))).collect()
 }
 
 fn numbers(list: &str) -> Result<Vec<usize>, String> {
-    let one = |word: &str| {
-        word.parse()
-            .ok()
-            .filter(|&n| n > 0)
-            .ok_or_else(|| format!("bad number `{word}`"))
-    };
+    let one = |word: &str| word.parse().ok().filter(|&n| n > 0).ok_or_else(|| format!("bad number `{word}`"));
     list.split(',').map(one).collect()
 }
 

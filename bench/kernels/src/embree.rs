@@ -90,14 +90,7 @@ impl Arguments {
     fn new(coherent: bool) -> Self {
         let flags = if coherent { QUERY_COHERENT } else { 0 };
         let (context, filter, function) = (null_mut(), null(), null());
-        Self {
-            flags,
-            features: ALL_FEATURES,
-            context,
-            filter,
-            function,
-            min_width_distance_factor: 0.0,
-        }
+        Self { flags, features: ALL_FEATURES, context, filter, function, min_width_distance_factor: 0.0 }
     }
 }
 
@@ -113,7 +106,7 @@ struct Api {
     release_scene: unsafe extern "C" fn(Handle),
     set_scene_flags: unsafe extern "C" fn(Handle, c_int),
     set_scene_quality: unsafe extern "C" fn(Handle, c_int),
-    commit_scene: unsafe extern "C" fn(Handle),
+    join_commit_scene: unsafe extern "C" fn(Handle),
     new_geometry: unsafe extern "C" fn(Handle, c_int) -> Handle,
     release_geometry: unsafe extern "C" fn(Handle),
     set_geometry_quality: unsafe extern "C" fn(Handle, c_int),
@@ -159,7 +152,7 @@ impl Embree {
             release_scene: function!("rtcReleaseScene"),
             set_scene_flags: function!("rtcSetSceneFlags"),
             set_scene_quality: function!("rtcSetSceneBuildQuality"),
-            commit_scene: function!("rtcCommitScene"),
+            join_commit_scene: function!("rtcJoinCommitScene"),
             new_geometry: function!("rtcNewGeometry"),
             release_geometry: function!("rtcReleaseGeometry"),
             set_geometry_quality: function!("rtcSetGeometryBuildQuality"),
@@ -213,15 +206,11 @@ extern "C" fn count_bytes(counter: *mut c_void, bytes: isize, _post: bool) -> bo
 impl Device {
     /// A device that builds with `threads` threads.
     pub fn new(api: &Embree, threads: usize) -> Result<Self, String> {
-        let settings = format!("threads={threads},set_affinity=0,start_threads=0,ignore_config_files=1");
+        let settings = format!("threads={threads},set_affinity=0,ignore_config_files=1");
         let settings = CString::new(settings).map_err(|error| error.to_string())?;
         // SAFETY: the settings are a C string.
         let device = unsafe { (api.0.new_device)(settings.as_ptr()) };
-        let this = Arc::new(DeviceHandle {
-            api: api.clone(),
-            device,
-            bytes: AtomicIsize::new(0),
-        });
+        let this = Arc::new(DeviceHandle { api: api.clone(), device, bytes: AtomicIsize::new(0) });
         // SAFETY: the counter is not moved and is dropped after the device.
         unsafe { (api.0.set_monitor)(device, count_bytes, (&raw const this.bytes).cast_mut().cast()) };
         Ok(Self(this))
@@ -242,11 +231,7 @@ impl Scene {
         (positions, indices): (&Arc<[Vec3]>, &Arc<[[u32; 3]]>),
         (high, robust): (bool, bool),
     ) -> Result<Self, String> {
-        let DeviceHandle {
-            api,
-            device: handle,
-            bytes,
-        } = &*device.0;
+        let DeviceHandle { api, device: handle, bytes, .. } = &*device.0;
         let quality = if high { QUALITY_HIGH } else { QUALITY_MEDIUM };
         let rtc = &api.0;
         let before = bytes.load(Ordering::Relaxed);
@@ -258,32 +243,18 @@ impl Scene {
             let geometry = (rtc.new_geometry)(*handle, GEOMETRY_TRIANGLE);
             (rtc.set_geometry_quality)(geometry, quality);
             let (vertices, triangles) = (positions.as_ptr().cast(), indices.as_ptr().cast());
-            (rtc.set_buffer)(
-                geometry,
-                BUFFER_VERTEX,
-                0,
-                FORMAT_FLOAT3,
-                vertices,
-                0,
-                12,
-                positions.len() - 1,
-            );
+            (rtc.set_buffer)(geometry, BUFFER_VERTEX, 0, FORMAT_FLOAT3, vertices, 0, 12, positions.len() - 1);
             (rtc.set_buffer)(geometry, BUFFER_INDEX, 0, FORMAT_UINT3, triangles, 0, 12, indices.len());
             (rtc.commit_geometry)(geometry);
             (rtc.attach_geometry)(scene, geometry);
             (rtc.release_geometry)(geometry);
-            (rtc.commit_scene)(scene);
+            // Not `rtcCommitScene`: that runs in the caller's arena, whose size is not the device's.
+            (rtc.join_commit_scene)(scene);
             scene
         };
         let bytes = (bytes.load(Ordering::Relaxed) - before).max(0) as usize;
         let buffers = (positions.clone(), indices.clone());
-        let scene = Self {
-            api: api.clone(),
-            scene,
-            bytes,
-            _device: device.clone(),
-            _buffers: buffers,
-        };
+        let scene = Self { api: api.clone(), scene, bytes, _device: device.clone(), _buffers: buffers };
         // SAFETY: the device is alive.
         match unsafe { (rtc.device_error)(*handle) } {
             0 => Ok(scene),
@@ -300,10 +271,7 @@ impl Scene {
     pub fn closest(&self, rays: &[Ray], coherent: bool, hits: &mut [Option<MeshHit>]) {
         let _mode = FlushDenormals::new();
         let mut arguments = Arguments::new(coherent);
-        let mut query = RayHit {
-            mask: u32::MAX,
-            ..RayHit::default()
-        };
+        let mut query = RayHit { mask: u32::MAX, ..RayHit::default() };
         for (ray, hit) in rays.iter().zip(hits) {
             query.start(ray);
             // SAFETY: the scene is committed; the structures have Embree's layout and alignment.
@@ -321,10 +289,7 @@ impl Scene {
     pub fn any(&self, rays: &[Ray], coherent: bool, occluded: &mut [bool]) {
         let _mode = FlushDenormals::new();
         let mut arguments = Arguments::new(coherent);
-        let mut query = RayHit {
-            mask: u32::MAX,
-            ..RayHit::default()
-        };
+        let mut query = RayHit { mask: u32::MAX, ..RayHit::default() };
         for (ray, occluded) in rays.iter().zip(occluded) {
             query.start(ray);
             // SAFETY: as above; `RTCRay` is the first part of `RTCRayHit`.

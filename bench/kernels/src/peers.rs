@@ -17,11 +17,7 @@ pub struct Batch<'a> {
 
 impl<'a> Batch<'a> {
     pub fn new(rays: &'a Rays, coherent: bool) -> Self {
-        Self {
-            rays: &rays.rays,
-            blocks: &rays.blocks,
-            coherent,
-        }
+        Self { rays: &rays.rays, blocks: &rays.blocks, coherent }
     }
 }
 
@@ -60,18 +56,9 @@ pub enum Build {
 
 const FAST: Build = Build::Umbriel(BuildQuality::Fast);
 const HIGH: Build = Build::Umbriel(BuildQuality::High);
-const EMBREE: Build = Build::Embree {
-    high: false,
-    robust: false,
-};
-const EMBREE_HIGH: Build = Build::Embree {
-    high: true,
-    robust: false,
-};
-const EMBREE_ROBUST: Build = Build::Embree {
-    high: false,
-    robust: true,
-};
+const EMBREE: Build = Build::Embree { high: false, robust: false };
+const EMBREE_HIGH: Build = Build::Embree { high: true, robust: false };
+const EMBREE_ROBUST: Build = Build::Embree { high: false, robust: true };
 
 /// What the others are checked against and compared with.
 pub const REFERENCE: &str = "embree-robust";

@@ -29,12 +29,8 @@ pub enum Kind {
 }
 
 impl Kind {
-    pub const ALL: [(&str, Self); 4] = [
-        ("primary", Self::Primary),
-        ("shadow", Self::Shadow),
-        ("bounce", Self::Bounce),
-        ("ao", Self::Occlusion),
-    ];
+    pub const ALL: [(&str, Self); 4] =
+        [("primary", Self::Primary), ("shadow", Self::Shadow), ("bounce", Self::Bounce), ("ao", Self::Occlusion)];
 
     /// Whether neighbouring rays run side by side.
     pub fn coherent(self) -> bool {
@@ -121,11 +117,7 @@ impl Point {
 
     fn ray(&self, dir: Vec3, max: f32) -> Ray {
         let origin = offset_origin(self.p, self.error, self.normal, dir);
-        Ray {
-            origin,
-            dir,
-            t: Interval { min: 0.0, max },
-        }
+        Ray { origin, dir, t: Interval { min: 0.0, max } }
     }
 
     /// From here to the light; none where the surface turns away from it.
@@ -133,10 +125,7 @@ impl Point {
         let dir = light - self.p;
         (dir.dot(self.normal) > 0.0).then(|| {
             let ray = self.ray(dir, 1.0);
-            Ray {
-                dir: light - ray.origin,
-                ..ray
-            }
+            Ray { dir: light - ray.origin, ..ray }
         })
     }
 
@@ -158,8 +147,6 @@ pub fn secondary(kind: Kind, mesh: &Mesh, primary: &Rays, hits: &[Option<MeshHit
         Kind::Primary => primary.rays.clone(),
         Kind::Shadow => points.filter_map(|point| point.shadow(mesh.view.light)).collect(),
         Kind::Bounce => points.map(|point| point.diffuse(0x1000_0001, f32::INFINITY)).collect(),
-        Kind::Occlusion => points
-            .map(|point| point.diffuse(0x7000_0000, mesh.view.occlusion_length))
-            .collect(),
+        Kind::Occlusion => points.map(|point| point.diffuse(0x7000_0000, mesh.view.occlusion_length)).collect(),
     })
 }

@@ -44,19 +44,10 @@ fn case(mesh: &Mesh, what: &str, peer: &str, threads: usize) -> String {
 
 pub fn builds(args: &Args, mesh: &Mesh, rows: &[BuildRow]) {
     if !args.json {
-        println!(
-            "{:22} {:>7} {:>9} {:>9} {:>8}",
-            "build", "threads", "wall ms", "CPU ms", "B/tri"
-        );
+        println!("{:22} {:>7} {:>9} {:>9} {:>8}", "build", "threads", "wall ms", "CPU ms", "B/tri");
     }
     for row in rows {
-        let BuildRow {
-            peer,
-            threads,
-            wall_ms,
-            cpu_ms,
-            bytes,
-        } = row;
+        let BuildRow { peer, threads, wall_ms, cpu_ms, bytes } = row;
         if args.json {
             let case = case(mesh, "build", peer, *threads);
             println!(r#"{case},"wall_ms":{wall_ms:.3},"cpu_ms":{cpu_ms:.3},"bytes_per_triangle":{bytes:.2}}}"#);
@@ -68,49 +59,27 @@ pub fn builds(args: &Args, mesh: &Mesh, rows: &[BuildRow]) {
 
 pub fn traces(args: &Args, mesh: &Mesh, rows: &[TraceRow]) {
     if let (false, Some(row)) = (args.json, rows.first()) {
-        let title = format!(
-            "{}, {} threads, {:.2} M rays",
-            row.kind,
-            row.threads,
-            row.rays as f64 * 1e-6
-        );
+        let title = format!("{}, {} threads, {:.2} M rays", row.kind, row.threads, row.rays as f64 * 1e-6);
         let [a, b, c] = COMPARED.map(|name| name.replace("embree", "/e"));
-        println!(
-            "{title:36} {:>7} {a:>10} {b:>6} {c:>12} {:>6}  missed/extra/other",
-            "Mrays/s", "IQR"
-        );
+        println!("{title:36} {:>7} {a:>10} {b:>6} {c:>12} {:>6}  missed/extra/other", "Mrays/s", "IQR");
     }
     for row in rows {
         let Disagreement { missed, extra, other } = row.wrong;
         if args.json {
-            let ratios: Vec<String> = row
-                .ratios
-                .iter()
-                .map(|ratio| ratio.map_or("null".into(), |ratio| format!("{ratio:.4}")))
-                .collect();
-            let names = COMPARED
-                .iter()
-                .zip(&ratios)
-                .map(|(name, ratio)| format!(r#","per_{name}":{ratio}"#));
+            let ratios: Vec<String> =
+                row.ratios.iter().map(|ratio| ratio.map_or("null".into(), |ratio| format!("{ratio:.4}"))).collect();
+            let names = COMPARED.iter().zip(&ratios).map(|(name, ratio)| format!(r#","per_{name}":{ratio}"#));
             print!(
                 r#"{},"mrays":{:.4},"spread":{:.4}"#,
                 case(mesh, row.kind, row.peer, row.threads),
                 row.mrays,
                 row.spread
             );
-            println!(
-                r#"{},"missed":{missed},"extra":{extra},"other":{other}}}"#,
-                names.collect::<String>()
-            );
+            println!(r#"{},"missed":{missed},"extra":{extra},"other":{other}}}"#, names.collect::<String>());
         } else {
-            let [a, b, c] = row
-                .ratios
-                .map(|ratio| ratio.map_or("-".into(), |ratio| format!("{ratio:.3}")));
+            let [a, b, c] = row.ratios.map(|ratio| ratio.map_or("-".into(), |ratio| format!("{ratio:.3}")));
             let (mrays, spread) = (row.mrays, 100.0 * row.spread);
-            println!(
-                "  {:34} {mrays:7.2} {a:>10} {b:>6} {c:>12} {spread:5.1}%  {missed}/{extra}/{other}",
-                row.peer
-            );
+            println!("  {:34} {mrays:7.2} {a:>10} {b:>6} {c:>12} {spread:5.1}%  {missed}/{extra}/{other}", row.peer);
         }
     }
 }

@@ -21,10 +21,7 @@ struct Builder {
 impl Builder {
     fn new(embree: Option<&Embree>, threads: usize) -> Result<Self, String> {
         let device = embree.map(|api| Device::new(api, threads)).transpose()?;
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|error| error.to_string())?;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?;
         Ok(Self { threads, device, pool })
     }
 }
@@ -32,11 +29,8 @@ impl Builder {
 /// Everything that was asked for.
 pub fn all(args: &Args) -> Result<(), String> {
     let embree = args.embree.as_deref().map(Embree::open).transpose()?;
-    let builders: Result<Vec<Builder>, String> = args
-        .threads
-        .iter()
-        .map(|&threads| Builder::new(embree.as_ref(), threads))
-        .collect();
+    let builders: Result<Vec<Builder>, String> =
+        args.threads.iter().map(|&threads| Builder::new(embree.as_ref(), threads)).collect();
     let builders = builders?;
     let usable = |peer: &Peer| embree.is_some() || !matches!(peer.build, Build::Embree { .. });
     let peers: Vec<Peer> = args.peers.iter().copied().filter(usable).collect();
@@ -89,33 +83,22 @@ fn builds(args: &Args, peers: &[Peer], builder: &Builder, input: &Input) -> Resu
             times.push((wall, cpu));
         }
     }
-    let rows = kinds
-        .iter()
-        .zip(&times)
-        .zip(&built)
-        .map(|((peer, times), (_, structure))| BuildRow {
-            peer: peer.name,
-            threads: builder.threads,
-            wall_ms: 1e3 * median(times.iter().map(|time| time.0)),
-            cpu_ms: 1e3 * median(times.iter().map(|time| time.1)),
-            bytes: structure.bytes() as f64 / input.mesh.indices.len() as f64,
-        });
+    let rows = kinds.iter().zip(&times).zip(&built).map(|((peer, times), (_, structure))| BuildRow {
+        peer: peer.name,
+        threads: builder.threads,
+        wall_ms: 1e3 * median(times.iter().map(|time| time.0)),
+        cpu_ms: 1e3 * median(times.iter().map(|time| time.1)),
+        bytes: structure.bytes() as f64 / input.mesh.indices.len() as f64,
+    });
     Ok((rows.collect(), built))
 }
 
 fn find(built: &Built, build: Build) -> Option<&dyn Structure> {
-    built
-        .iter()
-        .find(|(other, _)| *other == build)
-        .map(|(_, structure)| &**structure)
+    built.iter().find(|(other, _)| *other == build).map(|(_, structure)| &**structure)
 }
 
 fn traces(args: &Args, peers: &[Peer], input: &Input, built: &Built) -> Result<(), String> {
-    let reference = peers
-        .iter()
-        .find(|peer| peer.name == REFERENCE)
-        .or(peers.first())
-        .ok_or("no peers")?;
+    let reference = peers.iter().find(|peer| peer.name == REFERENCE).or(peers.first()).ok_or("no peers")?;
     let structure = find(built, reference.build).ok_or("no structure")?;
     let primary = rays::primary(&input.mesh.view, args.side);
     let mut seen: Vec<Option<MeshHit>> = vec![None; primary.rays.len()];
@@ -143,10 +126,7 @@ fn rounds(
     rays: &Rays,
 ) -> Vec<TraceRow> {
     let batch = Batch::new(rays, kind.coherent());
-    let peers: Vec<_> = peers
-        .iter()
-        .filter_map(|peer| Some((peer, find(built, peer.build)?)))
-        .collect();
+    let peers: Vec<_> = peers.iter().filter_map(|peer| Some((peer, find(built, peer.build)?))).collect();
     let mut results = Results::new(kind, rays.rays.len());
     let mut expected = Results::new(kind, rays.rays.len());
     if let Some(structure) = find(built, reference.build) {

@@ -18,11 +18,7 @@ fn seconds(clock: ClockId) -> f64 {
 pub fn timed<T>(work: impl FnOnce() -> T) -> (T, f64, f64) {
     let (cpu, wall) = (seconds(ClockId::ProcessCPUTime), Instant::now());
     let result = work();
-    (
-        result,
-        wall.elapsed().as_secs_f64(),
-        seconds(ClockId::ProcessCPUTime) - cpu,
-    )
+    (result, wall.elapsed().as_secs_f64(), seconds(ClockId::ProcessCPUTime) - cpu)
 }
 
 /// CPU time of this thread for a piece of work, in seconds.
@@ -37,11 +33,7 @@ pub fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
     let half = values.len() / 2;
-    if values.len() % 2 == 1 {
-        values[half]
-    } else {
-        (values[half - 1] + values[half]) / 2.0
-    }
+    if values.len() % 2 == 1 { values[half] } else { (values[half - 1] + values[half]) / 2.0 }
 }
 
 /// Where a pass writes to.
@@ -55,10 +47,7 @@ impl Results {
     /// Room for `count` rays, touched.
     pub fn new(kind: Kind, count: usize) -> Self {
         let (hits, occluded) = if kind.any() { (0, count) } else { (count, 0) };
-        Self {
-            hits: vec![None; hits],
-            occluded: vec![false; occluded],
-        }
+        Self { hits: vec![None; hits], occluded: vec![false; occluded] }
     }
 }
 
@@ -72,13 +61,9 @@ pub fn pass(
     out: &mut Results,
 ) -> f64 {
     if kind.any() {
-        spread(batch, threads, &mut out.occluded, |batch, out| {
-            structure.any(batch, way, out)
-        })
+        spread(batch, threads, &mut out.occluded, |batch, out| structure.any(batch, way, out))
     } else {
-        spread(batch, threads, &mut out.hits, |batch, out| {
-            structure.closest(batch, way, out)
-        })
+        spread(batch, threads, &mut out.hits, |batch, out| structure.closest(batch, way, out))
     }
 }
 
@@ -88,11 +73,7 @@ fn spread<T: Send>(batch: Batch<'_>, threads: usize, out: &mut [T], trace: impl 
         return cpu_time(|| trace(batch, out));
     }
     let mut shares: Vec<Vec<(Batch<'_>, &mut [T])>> = (0..threads).map(|_| Vec::new()).collect();
-    let chunks = batch
-        .rays
-        .chunks(CHUNK)
-        .zip(batch.blocks.chunks(CHUNK / BLOCK))
-        .zip(out.chunks_mut(CHUNK));
+    let chunks = batch.rays.chunks(CHUNK).zip(batch.blocks.chunks(CHUNK / BLOCK)).zip(out.chunks_mut(CHUNK));
     for (k, ((rays, blocks), out)) in chunks.enumerate() {
         shares[k % threads].push((Batch { rays, blocks, ..batch }, out));
     }
@@ -101,14 +82,8 @@ fn spread<T: Send>(batch: Batch<'_>, threads: usize, out: &mut [T], trace: impl 
         |share: Vec<(Batch<'_>, &mut [T])>| cpu_time(|| share.into_iter().for_each(|(batch, out)| trace(batch, out)));
     let run = &run;
     let total: f64 = std::thread::scope(|scope| {
-        let workers: Vec<_> = shares
-            .into_iter()
-            .map(|share| scope.spawn(move || run(share)))
-            .collect();
-        workers
-            .into_iter()
-            .map(|worker| worker.join().unwrap_or(f64::NAN))
-            .sum()
+        let workers: Vec<_> = shares.into_iter().map(|share| scope.spawn(move || run(share))).collect();
+        workers.into_iter().map(|worker| worker.join().unwrap_or(f64::NAN)).sum()
     });
     total / threads as f64
 }

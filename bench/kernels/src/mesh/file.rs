@@ -34,12 +34,8 @@ fn obj(text: &str) -> Result<Shape, String> {
         let bad = |what: &str| format!("line {}: {what}", number + 1);
         match words.next() {
             Some("v") => {
-                let mut next = || {
-                    words
-                        .next()
-                        .and_then(|w| w.parse().ok())
-                        .ok_or_else(|| bad("expected three numbers"))
-                };
+                let mut next =
+                    || words.next().and_then(|w| w.parse().ok()).ok_or_else(|| bad("expected three numbers"));
                 shape.positions.push(Vec3::new(next()?, next()?, next()?));
             }
             Some("f") => {
@@ -48,9 +44,7 @@ fn obj(text: &str) -> Result<Shape, String> {
                 // Numbers count from 1; negative ones from the end.
                 let index = |i: i64| u32::try_from(if i < 0 { count + i } else { i - 1 }).ok();
                 let corners: Option<Vec<u32>> = words.map(|w| corner(w).and_then(index)).collect();
-                shape
-                    .polygon(&corners.ok_or_else(|| bad("bad face"))?)
-                    .map_err(|e| bad(&e))?;
+                shape.polygon(&corners.ok_or_else(|| bad("bad face"))?).map_err(|e| bad(&e))?;
             }
             _ => {}
         }
@@ -104,10 +98,7 @@ enum Body<'a> {
 impl Body<'_> {
     fn next(&mut self, kind: Kind) -> Result<f64, String> {
         match self {
-            Self::Words(words) => words
-                .next()
-                .and_then(|w| w.parse().ok())
-                .ok_or("expected a number".into()),
+            Self::Words(words) => words.next().and_then(|w| w.parse().ok()).ok_or("expected a number".into()),
             Self::Bytes { rest, big } => {
                 let (Kind::Signed(size) | Kind::Unsigned(size) | Kind::Float(size)) = kind;
                 let (bytes, after) = rest.split_at_checked(size).ok_or("the file ends too early")?;
@@ -131,10 +122,7 @@ impl Body<'_> {
 
 fn ply(bytes: &[u8]) -> Result<Shape, String> {
     const END: &[u8] = b"end_header";
-    let end = bytes
-        .windows(END.len())
-        .position(|w| w == END)
-        .ok_or("no end of the header")?;
+    let end = bytes.windows(END.len()).position(|w| w == END).ok_or("no end of the header")?;
     let line_end = bytes[end..].iter().position(|&b| b == b'\n').ok_or("no body")?;
     let (header, body) = (String::from_utf8_lossy(&bytes[..end]), &bytes[end + line_end + 1..]);
     let text;
@@ -142,10 +130,7 @@ fn ply(bytes: &[u8]) -> Result<Shape, String> {
         text = String::from_utf8_lossy(body);
         Body::Words(text.split_ascii_whitespace())
     } else {
-        Body::Bytes {
-            rest: body,
-            big: header.contains("big_endian"),
-        }
+        Body::Bytes { rest: body, big: header.contains("big_endian") }
     };
     let mut shape = Shape::default();
     for element in elements(&header)? {
@@ -163,30 +148,16 @@ fn elements(header: &str) -> Result<Vec<Element>, String> {
         let property = match words[..] {
             ["element", name, count] => {
                 let count = count.parse().map_err(|_| format!("bad header line `{line}`"))?;
-                elements.push(Element {
-                    name: name.into(),
-                    count,
-                    properties: Vec::new(),
-                });
+                elements.push(Element { name: name.into(), count, properties: Vec::new() });
                 continue;
             }
-            ["property", "list", length, kind, name] => Property {
-                name: name.into(),
-                kind: Kind::parse(kind)?,
-                list: Some(Kind::parse(length)?),
-            },
-            ["property", kind, name] => Property {
-                name: name.into(),
-                kind: Kind::parse(kind)?,
-                list: None,
-            },
+            ["property", "list", length, kind, name] => {
+                Property { name: name.into(), kind: Kind::parse(kind)?, list: Some(Kind::parse(length)?) }
+            }
+            ["property", kind, name] => Property { name: name.into(), kind: Kind::parse(kind)?, list: None },
             _ => continue,
         };
-        elements
-            .last_mut()
-            .ok_or("a property without an element")?
-            .properties
-            .push(property);
+        elements.last_mut().ok_or("a property without an element")?.properties.push(property);
     }
     Ok(elements)
 }

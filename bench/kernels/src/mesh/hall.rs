@@ -57,11 +57,7 @@ fn columns(shape: &mut Shape, share: f32) {
             let radius = 0.42 - 0.05 * (turn * TAU * (sides / 8) as f32).sin().abs();
             let height = ROOM.y * j as f32 / drums as f32;
             let taper = 1.0 - 0.012 * height;
-            foot + Vec3::new(
-                radius * taper * (turn * TAU).cos(),
-                height,
-                -radius * taper * (turn * TAU).sin(),
-            )
+            foot + Vec3::new(radius * taper * (turn * TAU).cos(), height, -radius * taper * (turn * TAU).sin())
         });
     }
 }
@@ -80,14 +76,7 @@ fn blinds(shape: &mut Shape, share: f32) {
             let sag = Quat::from_rotation_z(0.01 * (unit(scramble(window * 7919 + row)) - 0.5));
             let turn = sag * tilt;
             let half = Vec3::new(0.48 * width, 0.0008, 0.45 * pitch);
-            shape.solid(
-                center,
-                [
-                    turn * Vec3::X * half.x,
-                    turn * Vec3::Y * half.y,
-                    turn * Vec3::Z * half.z,
-                ],
-            );
+            shape.solid(center, [turn * Vec3::X * half.x, turn * Vec3::Y * half.y, turn * Vec3::Z * half.z]);
         }
     }
 }
@@ -95,10 +84,7 @@ fn blinds(shape: &mut Shape, share: f32) {
 /// Slabs with joints between them, none quite level with the next.
 fn tiles(shape: &mut Shape, share: f32) {
     let edge = (ROOM.x * ROOM.z / (share / 12.0).max(1.0)).sqrt();
-    let (columns, rows) = (
-        (ROOM.x / edge).round().max(1.0) as u32,
-        (ROOM.z / edge).round().max(1.0) as u32,
-    );
+    let (columns, rows) = ((ROOM.x / edge).round().max(1.0) as u32, (ROOM.z / edge).round().max(1.0) as u32);
     let size = Vec3::new(ROOM.x / columns as f32, 0.0, ROOM.z / rows as f32);
     for (i, j) in (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))) {
         let low = Vec3::new(-ROOM.x / 2.0, 0.0, -ROOM.z / 2.0) + size * Vec3::new(i as f32, 0.0, j as f32);
@@ -123,12 +109,7 @@ fn stairs(shape: &mut Shape, share: f32) {
         }
     }
     for side in [-2.9, 2.9] {
-        rod(
-            shape,
-            Vec3::new(11.0, rise + 1.0, side),
-            Vec3::new(19.0, 6.0, side),
-            0.04,
-        );
+        rod(shape, Vec3::new(11.0, rise + 1.0, side), Vec3::new(19.0, 6.0, side), 0.04);
     }
 }
 
@@ -168,10 +149,7 @@ fn chairs(shape: &mut Shape, share: f32) {
 fn one_chair(shape: &mut Shape, foot: Vec3, turn: Quat, scale: f32) {
     let mut part = |center: [f32; 3], half: [f32; 3]| {
         let axes = [Vec3::X * half[0], Vec3::Y * half[1], Vec3::Z * half[2]];
-        shape.solid(
-            foot + turn * Vec3::from(center) * scale,
-            axes.map(|axis| turn * axis * scale),
-        );
+        shape.solid(foot + turn * Vec3::from(center) * scale, axes.map(|axis| turn * axis * scale));
     };
     for (x, z) in [(-0.2, -0.2), (0.2, -0.2), (-0.2, 0.2), (0.2, 0.2)] {
         part([x, 0.22, z], [0.018, 0.22, 0.018]);

@@ -39,12 +39,7 @@ pub fn make(name: &str, size: usize) -> Result<Mesh, String> {
         "hall" => (hall::shape(size), hall::VIEW),
         _ => return Err(format!("no mesh `{name}`; expected one of: {}", MADE.join(", "))),
     };
-    Ok(Mesh {
-        name: name.into(),
-        positions: shape.positions,
-        indices: shape.indices,
-        view,
-    })
+    Ok(Mesh { name: name.into(), positions: shape.positions, indices: shape.indices, view })
 }
 
 /// Reads an OBJ or PLY file; the view looks at its bounding box from above one corner.
@@ -53,18 +48,9 @@ pub fn load(path: &str) -> Result<Mesh, String> {
     if shape.indices.is_empty() {
         return Err(format!("{path}: no triangles"));
     }
-    let name = std::path::Path::new(path)
-        .file_stem()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into();
+    let name = std::path::Path::new(path).file_stem().unwrap_or_default().to_string_lossy().into();
     let view = outside(&shape.positions);
-    Ok(Mesh {
-        name,
-        positions: shape.positions,
-        indices: shape.indices,
-        view,
-    })
+    Ok(Mesh { name, positions: shape.positions, indices: shape.indices, view })
 }
 
 fn outside(positions: &[Vec3]) -> View {
@@ -91,11 +77,7 @@ impl Shape {
     /// A grid of `columns` x `rows` quads; `point(i, j)` for `0 <= i <= columns`, `0 <= j <= rows`.
     pub fn grid(&mut self, columns: u32, rows: u32, point: impl Fn(u32, u32) -> Vec3) {
         let first = self.positions.len() as u32;
-        self.positions.extend(
-            (0..=rows)
-                .flat_map(|j| (0..=columns).map(move |i| (i, j)))
-                .map(|(i, j)| point(i, j)),
-        );
+        self.positions.extend((0..=rows).flat_map(|j| (0..=columns).map(move |i| (i, j))).map(|(i, j)| point(i, j)));
         for (i, j) in (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j))) {
             let a = first + j * (columns + 1) + i;
             let c = a + columns + 1;
@@ -107,18 +89,9 @@ impl Shape {
     pub fn solid(&mut self, center: Vec3, axes: [Vec3; 3]) {
         let first = self.positions.len() as u32;
         let sign = |corner: u32, bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
-        self.positions
-            .extend((0..8).map(|c| center + (0..3).map(|k| sign(c, k) * axes[k as usize]).sum::<Vec3>()));
-        for [a, b, c, d] in [
-            [0, 2, 3, 1],
-            [4, 5, 7, 6],
-            [0, 1, 5, 4],
-            [2, 6, 7, 3],
-            [0, 4, 6, 2],
-            [1, 3, 7, 5],
-        ] {
-            self.indices
-                .extend([[a, b, c], [a, c, d]].map(|t: [u32; 3]| t.map(|i| first + i)));
+        self.positions.extend((0..8).map(|c| center + (0..3).map(|k| sign(c, k) * axes[k as usize]).sum::<Vec3>()));
+        for [a, b, c, d] in [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]] {
+            self.indices.extend([[a, b, c], [a, c, d]].map(|t: [u32; 3]| t.map(|i| first + i)));
         }
     }
 

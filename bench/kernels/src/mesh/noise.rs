@@ -26,25 +26,13 @@ fn value(p: Vec3) -> f32 {
     let (cell, f) = (p.floor().as_ivec3(), p - p.floor());
     let w = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
     let mix = |a: f32, b: f32, w: f32| a + (b - a) * w;
-    let along = |y, z| {
-        mix(
-            lattice(cell + IVec3::new(0, y, z)),
-            lattice(cell + IVec3::new(1, y, z)),
-            w.x,
-        )
-    };
-    mix(
-        mix(along(0, 0), along(1, 0), w.y),
-        mix(along(0, 1), along(1, 1), w.y),
-        w.z,
-    )
+    let along = |y, z| mix(lattice(cell + IVec3::new(0, y, z)), lattice(cell + IVec3::new(1, y, z)), w.x);
+    mix(mix(along(0, 0), along(1, 0), w.y), mix(along(0, 1), along(1, 1), w.y), w.z)
 }
 
 /// Sum of `octaves` of noise, each twice as fine and half as strong.
 pub fn fractal(p: Vec3, octaves: u32) -> f32 {
-    (0..octaves)
-        .map(|k| value(p * (1 << k) as f32 + k as f32 * 17.31) / (1 << k) as f32)
-        .sum()
+    (0..octaves).map(|k| value(p * (1 << k) as f32 + k as f32 * 17.31) / (1 << k) as f32).sum()
 }
 
 /// Ridges: octaves of `(1 - |noise|)²`, each weighted by the one before, so that valleys stay smooth.

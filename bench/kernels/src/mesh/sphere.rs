@@ -38,18 +38,12 @@ fn face(shape: &mut Shape, octant: u32, side: u32, octaves: u32) {
     }
     let at = |i: u32, j: u32| first + i * (side + 1) - i * i.saturating_sub(1) / 2 + j;
     let outwards = |[a, b, c]: [u32; 3]| {
-        if sign.element_product() > 0.0 {
-            [a, b, c]
-        } else {
-            [a, c, b]
-        }
+        if sign.element_product() > 0.0 { [a, b, c] } else { [a, c, b] }
     };
     for (i, j) in (0..side).flat_map(|i| (0..side - i).map(move |j| (i, j))) {
         shape.indices.push(outwards([at(i, j), at(i + 1, j), at(i, j + 1)]));
         if i + j + 1 < side {
-            shape
-                .indices
-                .push(outwards([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
+            shape.indices.push(outwards([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
         }
     }
 }
