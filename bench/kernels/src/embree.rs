@@ -51,7 +51,7 @@ struct RayHit {
 
 /// `RTCRayHit16`.
 #[repr(C, align(64))]
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct RayHit16 {
     origin: [[f32; BLOCK]; 3],
     near: [f32; BLOCK],
@@ -302,7 +302,7 @@ impl Scene {
     pub fn closest16(&self, blocks: &[RayBlock], coherent: bool, hits: &mut [Option<MeshHit>]) {
         let _mode = FlushDenormals::new();
         let mut arguments = Arguments::new(coherent);
-        let mut query = RayHit16::new();
+        let mut query = RayHit16 { mask: [u32::MAX; BLOCK], ..RayHit16::default() };
         for (block, hits) in blocks.iter().zip(hits.chunks_mut(BLOCK)) {
             query.start(block);
             let valid = Valid::first(hits.len());
@@ -325,7 +325,7 @@ impl Scene {
     pub fn any16(&self, blocks: &[RayBlock], coherent: bool, occluded: &mut [bool]) {
         let _mode = FlushDenormals::new();
         let mut arguments = Arguments::new(coherent);
-        let mut query = RayHit16::new();
+        let mut query = RayHit16 { mask: [u32::MAX; BLOCK], ..RayHit16::default() };
         for (block, occluded) in blocks.iter().zip(occluded.chunks_mut(BLOCK)) {
             query.start(block);
             let valid = Valid::first(occluded.len());
@@ -357,27 +357,6 @@ impl RayHit {
 }
 
 impl RayHit16 {
-    fn new() -> Self {
-        let (zero, none) = ([0.0; BLOCK], [0; BLOCK]);
-        Self {
-            origin: [zero; 3],
-            near: zero,
-            dir: [zero; 3],
-            time: zero,
-            far: zero,
-            mask: [u32::MAX; BLOCK],
-            id: none,
-            flags: none,
-            normal: [zero; 3],
-            u: zero,
-            v: zero,
-            primitive: none,
-            geometry: none,
-            instance: none,
-            instance_primitive: none,
-        }
-    }
-
     #[inline]
     fn start(&mut self, block: &RayBlock) {
         (self.origin, self.dir) = (block.origin, block.dir);

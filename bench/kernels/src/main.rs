@@ -2,6 +2,8 @@
 
 mod args;
 mod check;
+#[cfg(feature = "rust-peers")]
+mod crates;
 mod embree;
 mod mesh;
 mod peers;

@@ -1,5 +1,7 @@
 //! Everything that traces rays, behind one trait.
 
+#[cfg(feature = "rust-peers")]
+use crate::crates::Crate;
 use crate::embree::{Device, Scene};
 use crate::mesh::Mesh;
 use crate::rays::{RayBlock, Rays};
@@ -51,7 +53,12 @@ pub struct Peer {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Build {
     Umbriel(BuildQuality),
-    Embree { high: bool, robust: bool },
+    Embree {
+        high: bool,
+        robust: bool,
+    },
+    #[cfg(feature = "rust-peers")]
+    Crate(crate::crates::Crate),
 }
 
 const FAST: Build = Build::Umbriel(BuildQuality::Fast);
@@ -81,6 +88,14 @@ pub const PEERS: &[Peer] = &[
     peer("embree16", EMBREE, Way::Packets),
     peer("embree16-high", EMBREE_HIGH, Way::Packets),
     peer("embree16-robust", EMBREE_ROBUST, Way::Packets),
+    #[cfg(feature = "rust-peers")]
+    peer("obvhs-cwbvh", Build::Crate(Crate::ObvhsWide), Way::Single),
+    #[cfg(feature = "rust-peers")]
+    peer("obvhs-bvh2", Build::Crate(Crate::ObvhsBinary), Way::Single),
+    #[cfg(feature = "rust-peers")]
+    peer("bvh", Build::Crate(Crate::Bvh), Way::Single),
+    #[cfg(feature = "rust-peers")]
+    peer("parry3d", Build::Crate(Crate::Parry), Way::Single),
 ];
 
 /// A mesh in the memory layouts that the peers read.
@@ -113,6 +128,8 @@ pub fn build(
             let device = embree.ok_or("Embree is not loaded: name it with --embree PATH")?;
             Box::new(Scene::build(device, (&input.padded, &input.indices), (high, robust))?)
         }
+        #[cfg(feature = "rust-peers")]
+        Build::Crate(which) => pool.install(|| crate::crates::build(which, mesh))?,
     })
 }
 
