@@ -11,6 +11,8 @@ from measure import ROOT, say
 
 FOLDER = ROOT / "bench/.peers"
 MITSUBA = "mitsuba==3.9.1"
+# Carries Embree 4.4.0 as a shared library.
+EMBREE = "embreex==4.4.0.post1"
 # Older ones abort in Mitsuba's code generation (15 and 16 on AVX-512 machines) or are untried.
 OLDEST_LLVM = 19
 
@@ -54,6 +56,22 @@ def mitsuba():
         if subprocess.run(command, stdout=sys.stderr).returncode != 0:
             raise Missing(f"cannot install Mitsuba: `{' '.join(map(str, command))}` failed")
     return python
+
+
+def embree():
+    """Embree's shared library out of a Python package, of which nothing else is used."""
+    folder = FOLDER / "embree"
+    if not list(folder.glob("embreex.libs/libembree4*")):
+        say(f"installing from PyPI into {FOLDER.relative_to(ROOT)}: {EMBREE}")
+        folder.mkdir(parents=True, exist_ok=True)
+        options = ["--quiet", "--disable-pip-version-check", "--no-deps", "--only-binary=:all:"]
+        command = [sys.executable, "-m", "pip", "install", *options, "--target", folder, EMBREE]
+        if subprocess.run(command, stdout=sys.stderr).returncode != 0:
+            raise Missing(f"cannot install Embree: `{' '.join(map(str, command))}` failed")
+    found = list(folder.glob("embreex.libs/libembree4*"))
+    if not found:
+        raise Missing(f"no libembree4 inside {EMBREE}")
+    return found[0]
 
 
 def find_llvm():

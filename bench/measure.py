@@ -38,15 +38,23 @@ class Row:
     peer: str
     theirs: float
     goal: float | None = None
+    # Of speeds the greater is better.
+    speed: bool = False
+    # The median of the rounds' ratios, where both sides were measured in rounds.
+    paired: float | None = None
+    note: str = ""
 
     @property
     def ratio(self):
-        """How many times better ours is: all units so far are better when smaller."""
-        return self.theirs / self.ours
+        """How many times better ours is."""
+        if self.paired is not None:
+            return self.paired
+        return self.ours / self.theirs if self.speed else self.theirs / self.ours
 
     def json(self, bench):
         row = {"bench": bench, "case": self.case, "unit": self.unit, "ours": round(self.ours, 4), "peer": self.peer}
-        return json.dumps(row | {"theirs": round(self.theirs, 4), "ratio": round(self.ratio, 3), "goal": self.goal})
+        row |= {"theirs": round(self.theirs, 4), "ratio": round(self.ratio, 3), "goal": self.goal}
+        return json.dumps(row | ({"note": self.note} if self.note else {}))
 
 
 def run(command, environment=None):
@@ -96,12 +104,19 @@ def check_png(path, width, height):
         raise Failed(f"{path}: expected a PNG of {width}x{height}")
 
 
+def cargo(arguments, folder=ROOT, environment=None):
+    """Builds with cargo; returns the folder of its outputs."""
+    say(f"building: cargo build --release {' '.join(arguments)}")
+    environment = os.environ | (environment or {})
+    command = ["cargo", "build", "--release", *arguments]
+    if subprocess.run(command, cwd=folder, stdout=sys.stderr, env=environment).returncode != 0:
+        raise Failed(f"`{' '.join(command)}` failed in {folder}")
+    return Path(environment.get("CARGO_TARGET_DIR", folder / "target")).resolve() / "release"
+
+
 def build_ours():
     """Builds the program and returns its path."""
-    say("building: cargo build --release -p umbriel")
-    if subprocess.run(["cargo", "build", "--release", "-p", "umbriel"], cwd=ROOT, stdout=sys.stderr).returncode != 0:
-        raise Failed("our own program does not build")
-    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")).resolve() / "release/umbriel"
+    return cargo(["-p", "umbriel"]) / "umbriel"
 
 
 def machine_line(repetitions, load_before):
@@ -119,7 +134,7 @@ def table(rows):
         met = "" if row.goal is None else "reached" if row.ratio >= row.goal else "NOT REACHED"
         goal = "" if row.goal is None else f"{row.goal:g}"
         figures = (figure(row.ours), row.peer, figure(row.theirs), f"{row.ratio:.2f}")
-        cells.append((row.case, row.unit, *figures, goal, met))
+        cells.append((row.case, row.unit, *figures, goal, "; ".join(filter(None, (met, row.note)))))
     widths = [max(len(line[column]) for line in cells) for column in range(8)]
     lines = ["| " + " | ".join(cell.ljust(width) for cell, width in zip(line, widths)) + " |" for line in cells]
     lines.insert(1, "|" + "|".join("-" * (width + 2) for width in widths) + "|")
