@@ -125,16 +125,18 @@ def crates(programs, mesh, size, passes):
 def builds(programs, mesh, size, count):
     """Wall time of builds with one and two threads, and memory."""
     pairs = (("umbriel", "embree"), ("umbriel-high", "embree-high"))
-    rows, found = [], programs.rows(
-        programs.shipped, mesh, size, names(pairs), "--build-only", "--builds", count, "--threads", "1,2"
-    )
+    rows, options = [], ("--build-only", "--builds", count, "--threads")
     for threads in (1, 2):
-        built = {row["peer"]: row for row in found if row["threads"] == threads}
+        # A process each: Embree shares threads between devices.
+        found = programs.rows(programs.shipped, mesh, size, names(pairs), *options, threads)
+        built = {row["peer"]: row for row in found}
         for ours, peer in pairs:
             mine, theirs = built[ours], built[peer]
-            goal = 1.0 if threads == 2 and 900_000 < mine["triangles"] < 1_100_000 else None
+            # No verdict on wall times while others had the processors.
+            quiet = mine["quiet"] and theirs["quiet"]
+            goal = 1.0 if quiet and threads == 2 and 900_000 < mine["triangles"] < 1_100_000 else None
             case = f"{label(mine)}, build{' high' if 'high' in ours else ''}, {threads} threads"
-            rows.append(Row(case, "ms", mine["wall_ms"], peer, theirs["wall_ms"], goal))
+            rows.append(Row(case, "ms", mine["wall_ms"], peer, theirs["wall_ms"], goal, note="" if quiet else "busy machine"))
     for ours, peer in pairs:
         mine, theirs = built[ours], built[peer]
         case = f"{label(mine)}, structure{' high' if 'high' in ours else ''}"

@@ -12,7 +12,7 @@ Measures ray kernels on the same rays: bench-kernels [OPTIONS] [FILE.obj|FILE.pl
   --kinds LIST      primary, shadow, bounce, ao [default: all]
   --peers LIST      see --list [default: umbriel,umbriel-high,embree-robust,embree]
   --passes N        timed rounds [default: 5]
-  --threads LIST    [default: 1]
+  --threads LIST    [default: 1]; builds use the first
   --builds N        builds to take medians of [default: 1; with --build-only 3]
   --build-only      builds only
   --side N          pixels a side of the picture, a power of two [default: 1024]

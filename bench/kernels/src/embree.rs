@@ -248,7 +248,7 @@ impl Scene {
             (rtc.commit_geometry)(geometry);
             (rtc.attach_geometry)(scene, geometry);
             (rtc.release_geometry)(geometry);
-            // Not `rtcCommitScene`: that runs in the caller's arena, whose size is not the device's.
+            // Either commit function may use the threads of the largest device of the process: one number of threads each.
             (rtc.join_commit_scene)(scene);
             scene
         };

@@ -12,6 +12,8 @@ pub struct BuildRow {
     pub threads: usize,
     pub wall_ms: f64,
     pub cpu_ms: f64,
+    /// Whether every build had as many processors as threads.
+    pub quiet: bool,
     /// Of the structure, a triangle.
     pub bytes: f64,
 }
@@ -47,12 +49,17 @@ pub fn builds(args: &Args, mesh: &Mesh, rows: &[BuildRow]) {
         println!("{:22} {:>7} {:>9} {:>9} {:>8}", "build", "threads", "wall ms", "CPU ms", "B/tri");
     }
     for row in rows {
-        let BuildRow { peer, threads, wall_ms, cpu_ms, bytes } = row;
+        let BuildRow { peer, threads, wall_ms, cpu_ms, quiet, bytes } = row;
         if args.json {
             let case = case(mesh, "build", peer, *threads);
-            println!(r#"{case},"wall_ms":{wall_ms:.3},"cpu_ms":{cpu_ms:.3},"bytes_per_triangle":{bytes:.2}}}"#);
+            println!(
+                r#"{case},"wall_ms":{wall_ms:.3},"cpu_ms":{cpu_ms:.3},"quiet":{quiet},"bytes_per_triangle":{bytes:.2}}}"#
+            );
         } else {
-            println!("{peer:22} {threads:7} {wall_ms:9.1} {cpu_ms:9.1} {bytes:8.1}");
+            println!(
+                "{peer:22} {threads:7} {wall_ms:9.1} {cpu_ms:9.1} {bytes:8.1}{}",
+                if *quiet { "" } else { "  BUSY MACHINE" }
+            );
         }
     }
 }

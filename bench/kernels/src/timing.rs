@@ -14,6 +14,23 @@ fn seconds(clock: ClockId) -> f64 {
     now.tv_sec as f64 + 1e-9 * now.tv_nsec as f64
 }
 
+/// Whether `threads` threads that do nothing but count get a processor each: asked of the machine, not of a peer.
+pub fn processors_free(threads: usize) -> bool {
+    let count = || {
+        let (start, mut sum) = (Instant::now(), 0_u64);
+        cpu_time(|| {
+            while start.elapsed().as_secs_f64() < 0.02 {
+                sum = std::hint::black_box(sum + 1);
+            }
+        })
+    };
+    let got: f64 = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(count)).collect();
+        workers.into_iter().map(|worker| worker.join().unwrap_or(0.0)).sum()
+    });
+    got > 0.95 * 0.02 * threads as f64
+}
+
 /// What a piece of work returned, its wall time and the CPU time of the whole process, in seconds.
 pub fn timed<T>(work: impl FnOnce() -> T) -> (T, f64, f64) {
     let (cpu, wall) = (seconds(ClockId::ProcessCPUTime), Instant::now());
