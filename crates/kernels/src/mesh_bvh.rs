@@ -60,43 +60,64 @@ const LEAVES: Leaves = Leaves {
     node_cost: 0.3,
 };
 
+/// With what cuts add, so many that their numbers fit into a child's 27 bits.
+const MOST_TRIANGLES: usize = 100_000_000;
+
+/// References that cuts may add, over the number of triangles.
+const SPARE: f32 = 0.3;
+
+/// Has no box, and so no place in a tree.
+const NOWHERE: Triangle = Triangle {
+    a: Vec3::NAN,
+    b: Vec3::NAN,
+    c: Vec3::NAN,
+};
+
+/// The triangle, if it has an area and finite corners.
+fn solid(triangle: Triangle) -> Option<Triangle> {
+    let finite = triangle.a.is_finite() && triangle.b.is_finite() && triangle.c.is_finite();
+    (finite && triangle.normal() != Vec3::ZERO).then_some(triangle)
+}
+
 impl MeshBvh {
-    /// Builds the hierarchy.
+    /// Builds the hierarchy, on all threads of the rayon pool it is called in; it is the same on any number of them.
+    ///
+    /// Each triangle names three of the positions. Triangles without area, with a corner that is not finite or is not among the
+    /// positions are left out and counted ([`MeshBvh::dropped`]). Panics above 100 million triangles.
     pub fn build(positions: &[Vec3], indices: &[[u32; 3]], quality: BuildQuality) -> Self {
+        assert!(
+            indices.len() <= MOST_TRIANGLES,
+            "{} triangles in a mesh",
+            indices.len()
+        );
+        let corner = |i: u32| positions.get(i as usize).copied().unwrap_or(Vec3::NAN);
         let triangle = |i: usize| {
-            let [a, b, c] = indices[i].map(|i| positions[i as usize]);
+            let [a, b, c] = indices[i].map(corner);
             Triangle { a, b, c }
         };
         let binary = match quality {
             BuildQuality::Fast => build_binned(
                 indices.len(),
-                |i| {
-                    let triangle = triangle(i);
-                    if triangle.normal() == Vec3::ZERO {
-                        Aabb::EMPTY
-                    } else {
-                        triangle.bounds()
-                    }
-                },
+                |i| solid(triangle(i)).map_or(Aabb::EMPTY, |triangle| triangle.bounds()),
                 &LEAVES,
             ),
-            BuildQuality::High => build_spatial(indices.len(), triangle, 0.3, &LEAVES),
+            BuildQuality::High => build_spatial(
+                indices.len(),
+                |i| solid(triangle(i)).unwrap_or(NOWHERE),
+                SPARE,
+                &LEAVES,
+            ),
         };
         let tree = Tree::new(&binary);
         let items = binary.items;
-        let mut leaves = TriangleLeaves::new(items.len());
-        for (first, n) in tree.leaves() {
-            let part: Vec<Triangle> = items[first..first + n]
-                .iter()
-                .map(|&i| triangle(i as usize))
-                .collect();
-            leaves.set(first, &part);
-        }
+        let leaves = TriangleLeaves::new(tree.leaves().collect(), &items, triangle);
+        let mut held = vec![false; indices.len()];
+        items.iter().for_each(|&i| held[i as usize] = true);
         Self {
             tree,
             leaves,
             items,
-            dropped: 0,
+            dropped: held.iter().filter(|&&held| !held).count(),
             unit: VectorUnit::default(),
         }
     }
@@ -111,7 +132,7 @@ impl MeshBvh {
         self.tree.memory() + self.leaves.memory() + self.items.capacity() * size_of::<u32>()
     }
 
-    /// Number of triangles that no ray can hit, because they have no area or a corner that is not finite.
+    /// Number of triangles that no ray can hit, because they have no area, or a corner that is not finite or not there.
     pub fn dropped(&self) -> usize {
         self.dropped
     }

@@ -15,7 +15,7 @@ fn is_there(keep: Keep, ray: usize, hit: &MeshHit) -> bool {
 }
 
 /// Fewer rays than these are no packet.
-const LEAST_PACKET: u32 = 4;
+const LEAST_PACKET: u32 = 8;
 
 /// A ray's number among the sixteen, the nearest hit so far and where it lies.
 struct Seeker<'a> {

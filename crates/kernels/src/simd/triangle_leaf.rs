@@ -17,24 +17,16 @@ pub(crate) struct TriangleLeaves {
 const PADDING: usize = 16;
 
 impl TriangleLeaves {
-    /// Room for `items` triangles.
-    pub(crate) fn new(items: usize) -> Self {
-        Self {
-            rows: vec![0.0; 9 * items + PADDING],
-        }
-    }
-
-    /// Writes the triangles of one leaf.
-    pub(crate) fn set(&mut self, first: usize, triangles: &[Triangle]) {
-        let n = triangles.len();
-        let rows = &mut self.rows[9 * first..9 * (first + n)];
-        for (i, triangle) in triangles.iter().enumerate() {
-            for (corner, p) in [triangle.a, triangle.b, triangle.c].into_iter().enumerate() {
-                for axis in 0..3 {
-                    rows[(3 * corner + axis) * n + i] = p[axis];
-                }
-            }
-        }
+    /// Writes the triangles of all leaves, given as ranges of `items`, the numbers of the triangles.
+    pub(crate) fn new(
+        mut leaves: Vec<(usize, usize)>,
+        items: &[u32],
+        triangle: impl Fn(usize) -> Triangle + Sync,
+    ) -> Self {
+        let mut rows = vec![0.0; 9 * items.len() + PADDING];
+        leaves.sort_unstable();
+        fill(&leaves, 0, &mut rows, items, &triangle);
+        Self { rows }
     }
 
     /// Triangle `i` of a leaf.
@@ -66,6 +58,38 @@ impl TriangleLeaves {
 
     pub(crate) fn memory(&self) -> usize {
         self.rows.capacity() * size_of::<f32>()
+    }
+}
+
+/// Leaves that one thread writes.
+const SERIAL: usize = 1024;
+
+/// Fills the rows from item `begin` on with leaves, in the order of their items.
+fn fill(
+    leaves: &[(usize, usize)],
+    begin: usize,
+    rows: &mut [f32],
+    items: &[u32],
+    triangle: &(impl Fn(usize) -> Triangle + Sync),
+) {
+    if leaves.len() > SERIAL {
+        let (left, right) = leaves.split_at(leaves.len() / 2);
+        let middle = right[0].0;
+        let (left_rows, right_rows) = rows.split_at_mut(9 * (middle - begin));
+        rayon::join(
+            || fill(left, begin, left_rows, items, triangle),
+            || fill(right, middle, right_rows, items, triangle),
+        );
+        return;
+    }
+    for &(first, n) in leaves {
+        let rows = &mut rows[9 * (first - begin)..9 * (first - begin + n)];
+        for (i, &item) in items[first..first + n].iter().enumerate() {
+            let Triangle { a, b, c } = triangle(item as usize);
+            for (component, x) in [a, b, c].iter().flat_map(|p| p.to_array()).enumerate() {
+                rows[component * n + i] = x;
+            }
+        }
     }
 }
 
