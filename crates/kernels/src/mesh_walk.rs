@@ -26,7 +26,7 @@ struct Seeker<'a> {
 }
 
 /// The lanes whose bit is set.
-fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
+pub(crate) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (mask != 0).then(|| {
             let lane = mask.trailing_zeros() as usize & 15;
@@ -430,7 +430,7 @@ impl MeshBvh {
 
 /// The rays that make a packet with ray `one`; none if they are too few.
 #[inline(always)]
-fn packet_of<S: Simd>(walk: Walk, left: u32, ready: &Rays16<S>, one: usize) -> u32 {
+pub(crate) fn packet_of<S: Simd>(walk: Walk, left: u32, ready: &Rays16<S>, one: usize) -> u32 {
     if walk == Walk::Single {
         return 0;
     }

@@ -50,10 +50,10 @@ pub fn surface_interaction(bvh: &SceneBvh, ray: &Ray, hit: &Hit) -> SurfaceInter
     let scene = bvh.scene();
     let instance = &scene.instances[hit.instance as usize];
     let material = &scene.materials[instance.material.index()];
-    let to_object = bvh.placed(crate::InstanceId(hit.instance)).to_object;
-    let object_ray = to_object.as_ref().map_or(*ray, |m| ray.transformed(m));
+    let to_object = bvh.to_object(crate::InstanceId(hit.instance));
+    let object_ray = to_object.map_or(*ray, |m| ray.transformed(m));
     let mut point = object_point(scene, instance, &object_ray, hit);
-    if let Some(to_object) = &to_object {
+    if let Some(to_object) = to_object {
         to_world(&mut point, &instance.transform, to_object);
     }
     if let Some(texture) = &material.normal_texture {

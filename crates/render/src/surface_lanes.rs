@@ -83,7 +83,7 @@ impl SurfaceLanes {
         match placed.geometry {
             Geometry::Surface(id)
                 if material.normal_texture.is_none()
-                    && bvh.placed(InstanceId(instance)).to_object.is_none() =>
+                    && bvh.to_object(InstanceId(instance)).is_none() =>
             {
                 let surface = &scene.surfaces[id.index()];
                 self.settle(surface, hits, material.is_textured());
