@@ -15,8 +15,8 @@
 //! | torus | [`intersect_torus`] | Hanrahan 1989 | - |
 //! | triangle | [`intersect_triangle`] | Möller & Trumbore 1997 | - |
 //! | triangle, watertight | [`intersect_triangle_watertight`] | Woop, Benthin & Wald 2013 | - |
-//! | bounding box | [`intersect_aabb`] | Kay & Kajiya 1986, Ize 2013 | in [`Bvh`], four boxes at once |
-//! | hierarchy of boxes | [`Bvh`] | Wald 2007; Wald, Benthin & Boulos 2008 | - |
+//! | bounding box | [`intersect_aabb`] | Kay & Kajiya 1986, Ize 2013 | in [`MeshBvh`], sixteen boxes at once |
+//! | hierarchy of boxes | a loop over all | Wald 2007; Wald, Benthin & Boulos 2008 | [`MeshBvh`], [`InstanceBvh`] |
 //! | start of a secondary ray | [`offset_origin`] | Pharr, Jakob & Humphreys 2023 | - |
 //! | roots of polynomials | [`polynomial`] | Press et al. 2007 | - |
 //!
@@ -46,6 +46,7 @@ mod cuboid;
 mod cylinder;
 mod disk;
 mod hit;
+mod instance_visit;
 mod instance_walk;
 mod instances;
 mod mesh_bvh;
