@@ -3,7 +3,7 @@
 use super::node::Child;
 use super::{Tree, walk::PLACES};
 use crate::simd::PacketBoxes;
-use fearless_simd::{Simd, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x16};
 
 /// With so few rays left, each goes on alone.
 const FEW: u32 = 2;

@@ -22,5 +22,5 @@ pub(crate) use packet_hits::PacketHits;
 pub(crate) use packet_leaf::PacketLeaf;
 pub(crate) use rays16::{RAYS, RayLanes, Rays16};
 pub use surface_list::SurfaceList;
-pub(crate) use triangle_lanes::HitLanes;
+pub(crate) use triangle_lanes::{HitLanes, LaneHits};
 pub(crate) use triangle_leaf::TriangleLeaves;

@@ -51,7 +51,7 @@ impl<S: Simd> PacketHits<S> {
             return;
         }
         self.found &= !lanes;
-        let parts = HitLanes::new(self.t_max, self.e);
+        let parts = HitLanes::new(self.t_max, self.e, 0);
         let primitive: [u32; 16] = self.primitive.into();
         while left != 0 {
             let i = left.trailing_zeros() as usize & 15;

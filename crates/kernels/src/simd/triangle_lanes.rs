@@ -25,7 +25,7 @@ impl<S: Simd> LaneHits<S> {
     /// The hits lane by lane, where they hit.
     #[inline(always)]
     pub(crate) fn lanes(&self) -> HitLanes {
-        HitLanes::new(self.t, self.e)
+        HitLanes::new(self.t, self.e, self.unsure)
     }
 
     /// The edge functions.
@@ -37,17 +37,25 @@ impl<S: Simd> LaneHits<S> {
 
 /// Hits taken apart.
 pub(crate) struct HitLanes {
+    unsure: u32,
     t: [f32; 16],
     e: [[f32; 16]; 3],
 }
 
 impl HitLanes {
     #[inline(always)]
-    pub(super) fn new<S: Simd>(t: f32x16<S>, [x, y, z]: [f32x16<S>; 3]) -> Self {
+    pub(super) fn new<S: Simd>(t: f32x16<S>, [x, y, z]: [f32x16<S>; 3], unsure: u32) -> Self {
         Self {
+            unsure,
             t: t.into(),
             e: [x.into(), y.into(), z.into()],
         }
+    }
+
+    /// The slide has to decide about lane `i`.
+    #[inline(always)]
+    pub(crate) fn is_unsure(&self, i: usize) -> bool {
+        self.unsure >> (i % 16) & 1 == 1
     }
 
     #[inline(always)]

@@ -1,0 +1,215 @@
+//! How rays walk a mesh: sixteen at a time are made ready, those that keep together go as a packet, the others one by one.
+
+mod packet;
+mod single;
+
+use crate::bvh::{Child, Stacks};
+use crate::mesh_bvh::{MeshBvh, MeshHit, Walk};
+use crate::simd::{HitLanes, RayLanes, Rays16};
+use crate::{Interval, Ray, ShearedRay, Triangle, TriangleHit, intersect_triangle_sheared};
+use fearless_simd::Simd;
+
+/// Says of a hit of a ray, given by its place among those of the batch, whether anything is there; without it, all are.
+pub(crate) type Keep<'a> = Option<&'a dyn Fn(usize, &MeshHit) -> bool>;
+
+/// Fewer rays than these are no packet.
+const LEAST_PACKET: u32 = 8;
+
+/// At most sixteen rays, made ready.
+struct Batch<'a, S: Simd> {
+    simd: S,
+    rays: &'a [Ray],
+    ready: Rays16<S>,
+    lanes: RayLanes,
+    keep: Keep<'a>,
+}
+
+impl<'a, S: Simd> Batch<'a, S> {
+    /// `rays` are not empty.
+    #[inline(always)]
+    fn new(simd: S, mesh: &MeshBvh, rays: &'a [Ray], keep: Keep<'a>) -> Self {
+        let ready = Rays16::new(simd, rays, mesh.tree.bounds());
+        Self {
+            simd,
+            rays,
+            lanes: ready.lanes(),
+            ready,
+            keep,
+        }
+    }
+
+    #[inline(always)]
+    fn is_there(&self, ray: usize, hit: &MeshHit) -> bool {
+        self.keep.is_none_or(|keep| keep(ray, hit))
+    }
+}
+
+/// The numbers of the bits that are set.
+pub(crate) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (mask != 0).then(|| {
+            let lane = mask.trailing_zeros() as usize & 15;
+            mask &= mask - 1;
+            lane
+        })
+    })
+}
+
+/// The rays of `left` that make a packet with ray `one`; none if they are too few.
+#[inline(always)]
+pub(crate) fn packet_of<S: Simd>(walk: Walk, left: u32, ready: &Rays16<S>, one: usize) -> u32 {
+    if walk == Walk::Single {
+        return 0;
+    }
+    let like = left & ready.ways.like(one) & ready.ways.in_range;
+    if like.count_ones() >= LEAST_PACKET {
+        like
+    } else {
+        0
+    }
+}
+
+impl MeshBvh {
+    /// The nearest hit of each of at most sixteen rays, over the ray's interval, among those that `keep` says are there. To be called
+    /// where the compiler knows what `simd` can do.
+    #[inline(always)]
+    pub(crate) fn closest_16<S: Simd>(
+        &self,
+        simd: S,
+        walk: Walk,
+        rays: &[Ray],
+        stacks: &mut Stacks,
+        hits: &mut [Option<MeshHit>],
+        keep: Keep,
+    ) {
+        hits.fill(None);
+        if rays.is_empty() {
+            return;
+        }
+        let batch = Batch::new(simd, self, rays, keep);
+        let mut left = batch.ready.ways.sound;
+        while left != 0 {
+            let one = left.trailing_zeros() as usize & 15;
+            let like = packet_of(walk, left, &batch.ready, one);
+            if like != 0 {
+                left &= !like;
+                self.closest_packet(&batch, one, like, stacks, hits);
+            } else {
+                left &= left - 1;
+                let mut t_max = rays[one].t.max;
+                let stack = &mut stacks.single;
+                self.closest(&batch, one, Child::ROOT, &mut t_max, &mut hits[one], stack);
+            }
+        }
+    }
+
+    /// Whether anything that `keep` says is there meets each of at most sixteen rays.
+    #[inline(always)]
+    pub(crate) fn any_16<S: Simd>(
+        &self,
+        simd: S,
+        walk: Walk,
+        rays: &[Ray],
+        stacks: &mut Stacks,
+        occluded: &mut [bool],
+        keep: Keep,
+    ) {
+        occluded.fill(false);
+        if rays.is_empty() {
+            return;
+        }
+        let batch = Batch::new(simd, self, rays, keep);
+        let mut left = batch.ready.ways.sound;
+        while left != 0 {
+            let one = left.trailing_zeros() as usize & 15;
+            let like = packet_of(walk, left, &batch.ready, one);
+            if like != 0 {
+                left &= !like;
+                self.any_packet(&batch, one, like, stacks, occluded);
+            } else {
+                left &= left - 1;
+                occluded[one] = self.any(&batch, one, Child::ROOT, &mut stacks.single);
+            }
+        }
+    }
+
+    /// Gives every hit on the ray to `visit`, in no order; a triangle that the build cut may come more than once.
+    #[inline(always)]
+    pub(crate) fn each_hit<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        stacks: &mut Stacks,
+        mut visit: impl FnMut(MeshHit),
+    ) {
+        let batch = Batch::new(simd, self, std::slice::from_ref(ray), None);
+        if batch.ready.ways.sound == 0 {
+            return;
+        }
+        let leaf_ray = batch.lanes.leaf_ray(0);
+        self.tree.any(
+            simd,
+            &batch.lanes.box_ray(0),
+            ray.t.max,
+            Child::ROOT,
+            &mut stacks.single,
+            #[inline(always)]
+            |leaf| {
+                if let Some(found) = leaf_ray.meet(simd, &self.leaves, leaf, ray.t.max) {
+                    let parts = found.lanes();
+                    for i in lanes_of(found.hit | found.unsure) {
+                        if let Some(hit) = self.hit_of(&parts, i, (leaf, i), ray, ray.t.max) {
+                            visit(hit);
+                        }
+                    }
+                }
+                false
+            },
+        );
+    }
+
+    /// The hit of a lane with the triangle at a place of a leaf; where the lane is unsure, the slide decides.
+    #[inline(always)]
+    fn hit_of(
+        &self,
+        parts: &HitLanes,
+        lane: usize,
+        (leaf, place): ((usize, usize), usize),
+        ray: &Ray,
+        t_max: f32,
+    ) -> Option<MeshHit> {
+        let TriangleHit { t, u, v } = if parts.is_unsure(lane) {
+            decide(ray, t_max, &self.leaves.triangle(leaf, place))?
+        } else {
+            parts.get(lane)
+        };
+        let primitive = self.items[leaf.0 + place];
+        Some(MeshHit { primitive, t, u, v })
+    }
+}
+
+/// Takes a hit if it is nearer than the best; at equal `t` the lower number wins.
+#[inline(always)]
+fn improve<S: Simd>(
+    batch: &Batch<S>,
+    number: usize,
+    hit: MeshHit,
+    t_max: &mut f32,
+    best: &mut Option<MeshHit>,
+) {
+    let wins = |b: &MeshHit| hit.t < b.t || (hit.t == b.t && hit.primitive < b.primitive);
+    if best.as_ref().is_none_or(wins) && batch.is_there(number, &hit) {
+        *t_max = hit.t;
+        *best = Some(hit);
+    }
+}
+
+/// The slide, for the lanes that its twin is not sure of.
+#[inline(never)]
+fn decide(ray: &Ray, t_max: f32, triangle: &Triangle) -> Option<TriangleHit> {
+    let t = Interval {
+        min: ray.t.min,
+        max: t_max,
+    };
+    intersect_triangle_sheared(&ShearedRay::new(ray), t, triangle)
+}
