@@ -70,10 +70,26 @@ pub(crate) fn packet_of<S: Simd>(walk: Walk, left: u32, ready: &Rays16<S>, one: 
 }
 
 impl MeshBvh {
-    /// The nearest hit of each of at most sixteen rays, over the ray's interval, among those that `keep` says are there. To be called
-    /// where the compiler knows what `simd` can do.
-    #[inline(always)]
+    /// The nearest hit of each of at most sixteen rays, over the ray's interval, among those that `keep` says are there.
+    // One copy for each vector unit, wherever it is called from.
+    #[inline(never)]
     pub(crate) fn closest_16<S: Simd>(
+        &self,
+        simd: S,
+        walk: Walk,
+        rays: &[Ray],
+        stacks: &mut Stacks,
+        hits: &mut [Option<MeshHit>],
+        keep: Keep,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.closest_of_16(simd, walk, rays, stacks, hits, keep),
+        );
+    }
+
+    #[inline(always)]
+    fn closest_of_16<S: Simd>(
         &self,
         simd: S,
         walk: Walk,
@@ -104,8 +120,25 @@ impl MeshBvh {
     }
 
     /// Whether anything that `keep` says is there meets each of at most sixteen rays.
-    #[inline(always)]
+    // One copy for each vector unit, wherever it is called from.
+    #[inline(never)]
     pub(crate) fn any_16<S: Simd>(
+        &self,
+        simd: S,
+        walk: Walk,
+        rays: &[Ray],
+        stacks: &mut Stacks,
+        occluded: &mut [bool],
+        keep: Keep,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.any_of_16(simd, walk, rays, stacks, occluded, keep),
+        );
+    }
+
+    #[inline(always)]
+    fn any_of_16<S: Simd>(
         &self,
         simd: S,
         walk: Walk,
