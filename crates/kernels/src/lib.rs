@@ -18,6 +18,10 @@
 //! | bounding box | [`intersect_aabb`] | Kay & Kajiya 1986, Ize 2013 | in [`Bvh`], four boxes at once |
 //! | hierarchy of boxes | [`Bvh`] | Wald 2007; Wald, Benthin & Boulos 2008 | - |
 //! | start of a secondary ray | [`offset_origin`] | Pharr, Jakob & Humphreys 2023 | - |
+//! | crossings of a ray, in and out | [`Body::all_hits`] | Woop, Benthin & Wald 2013; Edelsbrunner & Mücke 1990 | - |
+//! | inside a closed surface | [`surface_contains`] | definitions | - |
+//! | inside a mesh | [`Body::contains`] | Jacobson, Kavan & Sorkine-Hornung 2013; Barill et al. 2018 | - |
+//! | solid angle of a triangle | [`solid_angle`] | Van Oosterom & Strackee 1983 | - |
 //! | roots of polynomials | [`polynomial`] | Press et al. 2007 | - |
 //!
 //! ```
@@ -53,6 +57,7 @@ mod mesh_walk;
 mod offset;
 mod plane;
 pub mod polynomial;
+mod queries;
 mod ray;
 mod rectangle;
 mod simd;
@@ -73,6 +78,10 @@ pub use instances::{Filter, InstanceBvh, Placed, Shape};
 pub use mesh_bvh::{BuildQuality, MeshBvh, MeshHit, Walk};
 pub use offset::{gamma, offset_origin};
 pub use plane::{Plane, intersect_plane};
+pub use queries::{
+    Body, Containment, Crossing, Crossings, Method, TriangleMesh, Way, solid_angle,
+    surface_contains,
+};
 pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};
 pub use simd::{LANES, Lanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit, whole_vectors};
