@@ -86,19 +86,17 @@ pub(super) fn net(found: &[Found]) -> i64 {
 /// Crossings at one `t`, to rounding, put into turns: in after out and out after in.
 ///
 /// Two sides of a fold, seen exactly at its edge, lie at one distance; which comes first is known from what the ray
-/// did before, or at its first crossings does next.
+/// did before, or, at the first, does later.
 pub(super) fn take_turns(found: &mut [Found]) {
+    let mut next = first_way(found);
     let mut first = 0;
     while first < found.len() {
         let end = end_of_tie(found, first);
-        if end - first > 1 {
-            let mut next = first_way(found, first, end);
-            for i in first..end {
-                if let Some(j) = (i..end).find(|&j| found[j].at.way == next) {
-                    found[i..=j].rotate_right(1);
-                }
-                next = found[i].at.way.other();
+        for i in first..end {
+            if let Some(j) = (i..end).find(|&j| found[j].at.way == next) {
+                found[i..=j].rotate_right(1);
             }
+            next = found[i].at.way.other();
         }
         first = end;
     }
@@ -116,16 +114,18 @@ fn end_of_tie(found: &[Found], first: usize) -> usize {
     end
 }
 
-/// Which way the first crossing of a tie goes.
-fn first_way(found: &[Found], first: usize, end: usize) -> Way {
-    if first > 0 {
-        return found[first - 1].at.way.other();
+/// Which way the first crossing goes: that of the first tie that changes from inside to outside or back; in before out if there is none.
+fn first_way(found: &[Found]) -> Way {
+    let mut first = 0;
+    while first < found.len() {
+        let end = end_of_tie(found, first);
+        match net(&found[first..end]) {
+            0 => first = end,
+            n if n > 0 => return Way::Enter,
+            _ => return Way::Leave,
+        }
     }
-    match net(&found[first..end]) {
-        0 => found.get(end).map_or(Way::Enter, |next| next.at.way),
-        n if n > 0 => Way::Enter,
-        _ => Way::Leave,
-    }
+    Way::Enter
 }
 
 /// The crossings as they are given out; `t` never decreases.

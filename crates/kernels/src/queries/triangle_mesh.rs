@@ -8,7 +8,7 @@ use rayon::prelude::*;
 /// A triangle mesh made ready for all queries of a [`Body`](super::Body).
 ///
 /// Corners that lie at the same place are one corner, whatever their numbers. Triangles without area, with a corner that is not
-/// finite or with a number that no position has are left out; the others keep their numbers.
+/// finite or with a number that no position has are left out ([`MeshBvh::dropped`]).
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
     pub(super) bvh: MeshBvh,
@@ -22,7 +22,6 @@ pub struct TriangleMesh {
 impl TriangleMesh {
     /// Takes over the corners and the triangles, three corner numbers each, counter-clockwise as seen from outside.
     pub fn new(positions: Vec<Vec3>, indices: Vec<[u32; 3]>, quality: BuildQuality) -> Self {
-        let indices = without_strays(&positions, indices);
         let bvh = MeshBvh::build(&positions, &indices, quality);
         let mut mesh = Self {
             bvh,
@@ -32,8 +31,8 @@ impl TriangleMesh {
             winding: None,
         };
         if !mesh.is_balanced() {
-            let solid = (0..mesh.indices.len()).map(|i| mesh.triangle(i));
-            mesh.winding = Some(WindingTree::new(solid.filter(has_area).collect()));
+            let triangles = (0..mesh.indices.len()).map(|i| mesh.triangle(i));
+            mesh.winding = Some(WindingTree::new(triangles.filter(is_solid).collect()));
         }
         mesh
     }
@@ -68,7 +67,8 @@ impl TriangleMesh {
     }
 
     pub(super) fn triangle(&self, i: usize) -> Triangle {
-        let [a, b, c] = self.indices[i].map(|corner| self.positions[corner as usize]);
+        let corner = |i: u32| self.positions.get(i as usize).copied();
+        let [a, b, c] = self.indices[i].map(|i| corner(i).unwrap_or(Vec3::NAN));
         Triangle { a, b, c }
     }
 
@@ -80,7 +80,7 @@ impl TriangleMesh {
     fn is_balanced(&self) -> bool {
         let boundary = (0..self.indices.len()).into_par_iter().map(|i| {
             let triangle = self.triangle(i);
-            if !has_area(&triangle) {
+            if !is_solid(&triangle) {
                 return 0;
             }
             let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(place);
@@ -92,22 +92,10 @@ impl TriangleMesh {
     }
 }
 
-fn has_area(triangle: &Triangle) -> bool {
-    triangle.normal() != Vec3::ZERO
-}
-
-/// Triangles that name no place become triangles without area, so that the others keep their numbers.
-fn without_strays(positions: &[Vec3], mut indices: Vec<[u32; 3]>) -> Vec<[u32; 3]> {
-    let is_place = |i: u32| positions.get(i as usize).is_some_and(|p| p.is_finite());
-    let Some(any) = positions.iter().position(|p| p.is_finite()) else {
-        return Vec::new();
-    };
-    for triangle in &mut indices {
-        if !triangle.iter().all(|&i| is_place(i)) {
-            *triangle = [any as u32; 3];
-        }
-    }
-    indices
+/// What [`MeshBvh`] does not leave out.
+fn is_solid(triangle: &Triangle) -> bool {
+    let finite = triangle.a.is_finite() && triangle.b.is_finite() && triangle.c.is_finite();
+    finite && triangle.normal() != Vec3::ZERO
 }
 
 /// The bits of a position, with one zero.
