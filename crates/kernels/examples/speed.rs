@@ -14,7 +14,7 @@ fn ball(rows: u32, open: bool) -> TriangleMesh {
         let p = Vec3::new(v.0 * u.1, v.1, -v.0 * u.0);
         p * (1.0 + 0.05 * (20.0 * p.x).sin() * (17.0 * p.y).sin())
     };
-    let rim = if open { 1 } else { 0 };
+    let rim = u32::from(open);
     let positions = (0..=rows).flat_map(|j| (0..columns).map(move |i| point(i, j)));
     let squares = (rim..rows - rim).flat_map(|j| (0..columns).map(move |i| (i, j)));
     let indices = squares.flat_map(|(i, j)| {

@@ -38,6 +38,25 @@
 //! let point = ball.point_at(hit.part, ray.at(hit.t));
 //! assert_eq!((point.p, point.n), (Vec3::new(0.0, 1.0, 1.0), Vec3::Z));
 //! ```
+//!
+//! Many rays or points at once, on all threads, are asked of a [`Body`]: a mesh or a surface.
+//!
+//! ```
+//! use umbriel_kernels::{Body, BuildQuality, Method, Ray, TriangleMesh, Way, glam::Vec3};
+//!
+//! let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+//! let indices = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+//! let mesh = TriangleMesh::new(positions, indices, BuildQuality::Fast);
+//! let body = Body::from(&mesh);
+//!
+//! let rays = [Ray::new(Vec3::new(0.25, 0.25, 2.0), Vec3::NEG_Z)];
+//! let crossings = body.all_hits(&rays);
+//! let ways: Vec<(f32, Way)> = crossings.of(0).iter().map(|c| (c.t, c.way)).collect();
+//! assert_eq!(ways, [(1.5, Way::Enter), (2.0, Way::Leave)]);
+//!
+//! let found = body.contains(&[Vec3::splat(0.2), Vec3::ONE]);
+//! assert_eq!((found.inside, found.method), (vec![true, false], Method::Crossings));
+//! ```
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
