@@ -18,6 +18,10 @@
 //! | bounding box | [`intersect_aabb`] | Kay & Kajiya 1986, Ize 2013 | in [`MeshBvh`], sixteen boxes at once |
 //! | hierarchy of boxes | a loop over all | Wald 2007; Wald, Benthin & Boulos 2008 | [`MeshBvh`], [`InstanceBvh`] |
 //! | start of a secondary ray | [`offset_origin`] | Pharr, Jakob & Humphreys 2023 | - |
+//! | crossings of a ray, in and out | [`Body::all_hits`] | Woop, Benthin & Wald 2013; Edelsbrunner & Mücke 1990 | - |
+//! | inside a closed surface | [`surface_contains`] | definitions | - |
+//! | inside a mesh | [`Body::contains`] | Jacobson, Kavan & Sorkine-Hornung 2013; Barill et al. 2018 | - |
+//! | solid angle of a triangle | [`solid_angle`] | Van Oosterom & Strackee 1983 | - |
 //! | roots of polynomials | [`polynomial`] | Press et al. 2007 | - |
 //!
 //! ```
@@ -33,6 +37,25 @@
 //! assert_eq!(hit.t, 4.0);
 //! let point = ball.point_at(hit.part, ray.at(hit.t));
 //! assert_eq!((point.p, point.n), (Vec3::new(0.0, 1.0, 1.0), Vec3::Z));
+//! ```
+//!
+//! Many rays or points at once, on all threads, are asked of a [`Body`]: a mesh or a surface.
+//!
+//! ```
+//! use umbriel_kernels::{Body, BuildQuality, Method, Ray, TriangleMesh, Way, glam::Vec3};
+//!
+//! let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+//! let indices = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+//! let mesh = TriangleMesh::new(positions, indices, BuildQuality::Fast);
+//! let body = Body::from(&mesh);
+//!
+//! let rays = [Ray::new(Vec3::new(0.25, 0.25, 2.0), Vec3::NEG_Z)];
+//! let crossings = body.all_hits(&rays);
+//! let ways: Vec<(f32, Way)> = crossings.of(0).iter().map(|c| (c.t, c.way)).collect();
+//! assert_eq!(ways, [(1.5, Way::Enter), (2.0, Way::Leave)]);
+//!
+//! let found = body.contains(&[Vec3::splat(0.2), Vec3::ONE]);
+//! assert_eq!((found.inside, found.method), (vec![true, false], Method::Crossings));
 //! ```
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
@@ -54,6 +77,7 @@ mod mesh_walk;
 mod offset;
 mod plane;
 pub mod polynomial;
+mod queries;
 mod ray;
 mod rectangle;
 mod simd;
@@ -74,6 +98,10 @@ pub use instances::{Filter, InstanceBvh, Placed, Shape};
 pub use mesh_bvh::{BuildQuality, MeshBvh, MeshHit, Walk};
 pub use offset::{gamma, offset_origin};
 pub use plane::{Plane, intersect_plane};
+pub use queries::{
+    Body, Containment, Crossing, Crossings, Method, TriangleMesh, Way, solid_angle,
+    surface_contains,
+};
 pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};
 pub use simd::{LANES, Lanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit, whole_vectors};
