@@ -1,7 +1,8 @@
 //! How fast are the queries on a mesh? `cargo run --release --example speed [rows]` on a bumpy ball.
 
+use std::f32::consts::{PI, TAU};
 use std::time::Instant;
-use umbriel_kernels::glam::Vec3;
+use umbriel_kernels::glam::{Vec3, Vec3Swizzles};
 use umbriel_kernels::{Body, BuildQuality, Ray, TriangleMesh};
 
 /// A ball of `2·rows²` squares, without its poles if it is to be open.
@@ -9,7 +10,7 @@ fn ball(rows: u32, open: bool) -> TriangleMesh {
     let columns = 2 * rows;
     let point = |i: u32, j: u32| {
         let (u, v) = (i as f32 / columns as f32, j as f32 / rows as f32);
-        let (u, v) = ((u * 6.283_185_5).sin_cos(), (v * 3.141_592_7).sin_cos());
+        let (u, v) = ((u * TAU).sin_cos(), (v * PI).sin_cos());
         let v = if j == rows { (0.0, -1.0) } else { v };
         let p = Vec3::new(v.0 * u.1, v.1, -v.0 * u.0);
         p * (1.0 + 0.05 * (20.0 * p.x).sin() * (17.0 * p.y).sin())
@@ -36,13 +37,10 @@ fn timed<T>(name: &str, n: usize, work: impl FnOnce() -> T) -> T {
 fn main() {
     let rows = std::env::args().nth(1).and_then(|n| n.parse().ok());
     let step = Vec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5);
-    let points: Vec<Vec3> = (1..=200_000)
-        .map(|i| 2.4 * (i as f32 * step).fract() - 1.2)
-        .collect();
-    let rays: Vec<Ray> = points
-        .windows(2)
-        .map(|p| Ray::new(3.0 * p[0], p[1] - 3.0 * p[0]))
-        .collect();
+    let point = |i| 2.4 * (i as f32 * step).fract() - 1.2;
+    let points: Vec<Vec3> = (1..=200_000).map(point).collect();
+    let ray = |p: &Vec3| Ray::new(-2.0 * *p, 3.0 * p.yzx());
+    let rays: Vec<Ray> = points.iter().map(ray).collect();
     for open in [false, true] {
         let start = Instant::now();
         let mesh = ball(rows.unwrap_or(500), open);

@@ -48,7 +48,7 @@ fn assert_turns(crossings: &Crossings, rays: &[Ray]) {
 #[test]
 fn a_million_rays_at_edges_and_corners_leave_as_often_as_they_enter() {
     let mut random = Random(11);
-    let far = Vec3::new(1483.0, 12.0, -2234.0);
+    let mut total = 0;
     let shapes = [
         cube(1),
         cube(3),
@@ -59,21 +59,37 @@ fn a_million_rays_at_edges_and_corners_leave_as_often_as_they_enter() {
     ];
     for (k, shape) in shapes.into_iter().enumerate() {
         for quality in [BuildQuality::Fast, BuildQuality::High] {
-            let rays = aimed_rays(&shape, 110_000, &mut random);
+            let rays = aimed_rays(&shape, 120_000, &mut random);
             let mesh = shape.build(quality);
             assert!(mesh.is_closed());
             let found = Body::from(&mesh).all_hits(&rays);
             assert_turns(&found, &rays);
+            total += rays.len();
             let crossed = found.iter().filter(|list| !list.is_empty()).count();
             assert!(crossed * 2 > rays.len(), "{k} {crossed}");
         }
-        // Far from the origin corners are coarse, but still shared.
-        let shape = shape.moved(|p| p + far);
-        let mut rays = aimed_rays(&shape, 20_000, &mut random);
-        rays.retain(|ray| ray.origin.distance(far) > 3.5);
-        let mesh = shape.build(BuildQuality::Fast);
-        let counts = Body::from(&mesh).count_hits(&rays);
-        assert!(mesh.is_closed() && counts.iter().all(|n| n % 2 == 0));
+    }
+    assert!(total > 1_000_000, "{total}");
+}
+
+/// Far from the origin corners are coarse, but still shared.
+#[test]
+fn far_away_as_well() {
+    let mut random = Random(13);
+    for (far, size) in [
+        (Vec3::new(1483.0, 12.0, -2234.0), 1.0),
+        (Vec3::new(148_376.0, 1234.0, -223_423.0), 100.0),
+    ] {
+        for shape in [cube(3), sphere(24), torus(20), blob(24)] {
+            let shape = shape.moved(|p| size * p + far);
+            let mesh = shape.build(BuildQuality::High);
+            assert!(mesh.is_closed());
+            let mut rays = aimed_rays(&shape, 50_000, &mut random);
+            rays.retain(|ray| ray.origin.distance(far) > 3.5 * size);
+            assert!(rays.len() > 20_000);
+            let counts = Body::from(&mesh).count_hits(&rays);
+            assert!(counts.iter().all(|n| n % 2 == 0));
+        }
     }
 }
 

@@ -80,6 +80,25 @@ fn the_tree_agrees_with_the_whole_sum() {
     }
 }
 
+/// A loose triangle far away makes a closed mesh an open one, which has the same inside.
+#[test]
+fn both_methods_agree_on_a_closed_mesh() {
+    let closed = blob(32).build(BuildQuality::Fast);
+    let mut loose = blob(32);
+    let first = loose.positions.len() as u32;
+    let far = 1000.0 * Vec3::X;
+    loose.positions.extend([far, far + Vec3::Y, far + Vec3::Z]);
+    loose.indices.push([first, first + 1, first + 2]);
+    let mut random = Random(14);
+    let points: Vec<Vec3> = (0..50_000)
+        .map(|_| (1.5 * random.point()).as_vec3())
+        .collect();
+    let by_crossings = Body::from(&closed).contains(&points);
+    assert_eq!(by_crossings.method, Method::Crossings);
+    let by_number = ask(&loose.build(BuildQuality::Fast), &points);
+    assert_eq!(by_crossings.inside, by_number.inside);
+}
+
 /// One triangle less, one turned around, or a slit between two corners: none is closed.
 #[test]
 fn any_loose_edge_makes_a_mesh_open() {
