@@ -61,7 +61,6 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod aabb;
-#[allow(dead_code, reason = "the hierarchy that uses it comes next")]
 mod build;
 mod bvh;
 mod cone;

@@ -1,17 +1,19 @@
 //! A triangle mesh made ready for rays.
 
-use crate::build::{Leaves, build_binned, build_spatial};
+use crate::build::{Leaves, build_binned, build_spatial, excess_boxes};
 use crate::bvh::{Stacks, Tree};
 use crate::simd::{RAYS, TriangleLeaves};
-use crate::{Aabb, Ray, Triangle, VectorUnit};
+use crate::{Ray, Triangle, VectorUnit};
 use fearless_simd::dispatch;
 use glam::Vec3;
 
 /// How much time a build may take for faster rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BuildQuality {
-    /// Splits between triangles only, by the surface area heuristic over bins.
+    /// [`BuildQuality::High`] for meshes whose boxes are much larger than their triangles, else [`BuildQuality::Fast`].
     #[default]
+    Auto,
+    /// Splits between triangles only, by the surface area heuristic over bins.
     Fast,
     /// Splits through triangles as well, where boxes would overlap much: for long thin triangles.
     High,
@@ -66,6 +68,9 @@ const MOST_TRIANGLES: usize = 100_000_000;
 /// References that cuts may add, over the number of triangles.
 const SPARE: f32 = 0.3;
 
+/// Above this excess of boxes over triangles, cuts pay for their time: closed scans and terrains have 0 to 3, cables and slivers hundreds.
+const MUCH_EXCESS: f64 = 20.0;
+
 /// Has no box, and so no place in a tree.
 const NOWHERE: Triangle = Triangle {
     a: Vec3::NAN,
@@ -95,18 +100,16 @@ impl MeshBvh {
             let [a, b, c] = indices[i].map(corner);
             Triangle { a, b, c }
         };
-        let binary = match quality {
-            BuildQuality::Fast => build_binned(
-                indices.len(),
-                |i| solid(triangle(i)).map_or(Aabb::EMPTY, |triangle| triangle.bounds()),
-                &LEAVES,
-            ),
-            BuildQuality::High => build_spatial(
-                indices.len(),
-                |i| solid(triangle(i)).unwrap_or(NOWHERE),
-                SPARE,
-                &LEAVES,
-            ),
+        let solid = |i: usize| solid(triangle(i)).unwrap_or(NOWHERE);
+        let cut = match quality {
+            BuildQuality::Auto => excess_boxes(indices.len(), solid) > MUCH_EXCESS,
+            BuildQuality::Fast => false,
+            BuildQuality::High => true,
+        };
+        let binary = if cut {
+            build_spatial(indices.len(), solid, SPARE, &LEAVES)
+        } else {
+            build_binned(indices.len(), |i| solid(i).bounds(), &LEAVES)
         };
         let tree = Tree::new(&binary);
         let items = binary.items;

@@ -68,7 +68,7 @@ fn every_walk_equals_the_loop() {
             })
             .collect();
         let expected: Vec<_> = rays.iter().map(|ray| brute(ray, &triangles)).collect();
-        for quality in [BuildQuality::Fast, BuildQuality::High] {
+        for quality in [BuildQuality::Auto, BuildQuality::Fast, BuildQuality::High] {
             let bvh = MeshBvh::build(&positions, &indices, quality);
             for unit in VectorUnit::available() {
                 let bvh = bvh.clone().with_unit(unit);

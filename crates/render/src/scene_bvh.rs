@@ -21,9 +21,6 @@ pub struct SceneBvh<'a> {
 /// Up to this many surfaces are tested one after the other, many rays at once.
 const HANDFUL: usize = 12;
 
-/// Cutting triangles makes rays through long thin ones faster, but takes several times as long.
-const QUALITY: BuildQuality = BuildQuality::Fast;
-
 impl<'a> SceneBvh<'a> {
     /// Builds all trees. The scene must have passed [`Scene::validate`].
     pub fn build(scene: &'a Scene) -> Self {
@@ -119,7 +116,7 @@ fn handful(placed: &[Placed]) -> Option<SurfaceList> {
 }
 
 fn build_mesh(mesh: &Mesh) -> MeshBvh {
-    MeshBvh::build(&mesh.positions, &mesh.indices, QUALITY)
+    MeshBvh::build(&mesh.positions, &mesh.indices, BuildQuality::Auto)
 }
 
 fn place(scene: &Scene, instance: &Instance) -> Placed {

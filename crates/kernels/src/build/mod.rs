@@ -14,7 +14,7 @@
 mod bins;
 mod bounds;
 mod divide;
-pub(crate) mod excess;
+mod excess;
 mod partition;
 mod spatial;
 #[cfg(test)]
@@ -23,6 +23,7 @@ mod tests;
 use crate::{Aabb, Triangle};
 use bounds::{Extents, Reference};
 use divide::{Builder, CHUNK, Work};
+pub(crate) use excess::excess_boxes;
 use rayon::prelude::*;
 
 /// `count` of an inner node.

@@ -45,8 +45,6 @@ pub(crate) struct Child(pub(crate) u32);
 impl Child {
     /// The least leaf.
     pub(crate) const LEAF: u32 = 1 << 31;
-    /// Items that a tree can hold.
-    pub(crate) const MOST_ITEMS: usize = 1 << 27;
     /// Items that a leaf can hold.
     pub(crate) const LEAF_ITEMS: usize = 16;
     /// Where every walk begins.

@@ -166,41 +166,6 @@ impl MeshBvh {
         }
     }
 
-    /// Gives every hit on the ray to `visit`, in no order; a triangle that the build cut may come more than once.
-    #[inline(always)]
-    pub(crate) fn each_hit<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        stacks: &mut Stacks,
-        mut visit: impl FnMut(MeshHit),
-    ) {
-        let batch = Batch::new(simd, self, std::slice::from_ref(ray), None);
-        if batch.ready.ways.sound == 0 {
-            return;
-        }
-        let leaf_ray = batch.lanes.leaf_ray(0);
-        self.tree.any(
-            simd,
-            &batch.lanes.box_ray(0),
-            ray.t.max,
-            Child::ROOT,
-            &mut stacks.single,
-            #[inline(always)]
-            |leaf| {
-                if let Some(found) = leaf_ray.meet(simd, &self.leaves, leaf, ray.t.max) {
-                    let parts = found.lanes();
-                    for i in lanes_of(found.hit | found.unsure) {
-                        if let Some(hit) = self.hit_of(&parts, i, (leaf, i), ray, ray.t.max) {
-                            visit(hit);
-                        }
-                    }
-                }
-                false
-            },
-        );
-    }
-
     /// The hit of a lane with the triangle at a place of a leaf; where the lane is unsure, the slide decides.
     #[inline(always)]
     fn hit_of(
