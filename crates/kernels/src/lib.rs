@@ -14,9 +14,9 @@
 //! | cone, truncated cone | [`intersect_cone`] | Cychosz & Waggenspack 1994 | - |
 //! | torus | [`intersect_torus`] | Hanrahan 1989 | - |
 //! | triangle | [`intersect_triangle`] | Möller & Trumbore 1997 | - |
-//! | triangle, watertight | [`intersect_triangle_watertight`] | Woop, Benthin & Wald 2013 | - |
+//! | triangle, watertight | [`intersect_triangle_watertight`] | Woop, Benthin & Wald 2013 | in [`MeshBvh`], one ray and sixteen triangles or sixteen rays and one |
 //! | bounding box | [`intersect_aabb`] | Kay & Kajiya 1986, Ize 2013 | in [`MeshBvh`], sixteen boxes at once |
-//! | hierarchy of boxes | a loop over all | Wald 2007; Wald, Benthin & Boulos 2008 | [`MeshBvh`], [`InstanceBvh`] |
+//! | hierarchy of boxes | a loop over all | Wald 2007; Stich, Friedrich & Dietrich 2009; Ylitie, Karras & Laine 2017 | [`MeshBvh`], [`InstanceBvh`] |
 //! | start of a secondary ray | [`offset_origin`] | Pharr, Jakob & Humphreys 2023 | - |
 //! | crossings of a ray, in and out | [`Body::all_hits`] | Woop, Benthin & Wald 2013; Edelsbrunner & Mücke 1990 | - |
 //! | inside a closed surface | [`surface_contains`] | definitions | - |
