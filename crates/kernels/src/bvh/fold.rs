@@ -73,53 +73,59 @@ struct Plan {
 
 /// The best plans of all nodes, from the last to the first: children stand after their parents.
 fn plan(binary: &[BinaryNode]) -> Vec<Plan> {
-    let vacant = Plan {
+    let mut plans = vec![Plan::VACANT; binary.len()];
+    for n in (0..binary.len()).rev() {
+        let area = area(binary, n);
+        plans[n] = if binary[n].count == INNER {
+            let first = binary[n].first as usize;
+            Plan::over(area, &plans[first], &plans[first + 1])
+        } else {
+            Plan {
+                cost: [area; WIDTH],
+                ..Plan::VACANT
+            }
+        };
+    }
+    plans
+}
+
+impl Plan {
+    const VACANT: Self = Self {
         cost: [0.0; WIDTH],
         left: [0; WIDTH],
         whole: (2, 1),
         leaves: 1,
     };
-    let mut plans = vec![vacant; binary.len()];
-    for n in (0..binary.len()).rev() {
-        let node = &binary[n];
-        if node.count != INNER {
-            plans[n].cost = [area(binary, n); WIDTH];
-            continue;
-        }
-        let first = node.first as usize;
-        let (l, r) = (&plans[first], &plans[first + 1]);
-        let (ll, rl) = (usize::from(l.leaves), usize::from(r.leaves));
-        let mut own = vacant;
-        own.leaves = (ll + rl).min(WIDTH) as u8;
-        let most = usize::from(own.leaves);
+
+    /// The plan of an inner node from those of its children.
+    fn over(area: f32, l: &Self, r: &Self) -> Self {
+        let mut own = Self::VACANT;
+        own.leaves = (l.leaves + r.leaves).min(WIDTH as u8);
+        // D(n, i), and how many of the i the left child gets; no side gets more than it has leaves.
         let mut shared = [(f32::INFINITY, 0_u8); WIDTH + 1];
-        for (i, best) in shared.iter_mut().enumerate().take(most + 1).skip(2) {
-            // No side gets more than it has leaves.
-            for k in i.saturating_sub(rl).max(1)..=ll.min(i - 1) {
-                let cost = l.cost[k - 1] + r.cost[i - k - 1];
-                if cost < best.0 {
-                    *best = (cost, k as u8);
+        for i in 2..=own.leaves {
+            for k in i.saturating_sub(r.leaves).max(1)..=l.leaves.min(i - 1) {
+                let cost = l.cost[usize::from(k) - 1] + r.cost[usize::from(i - k) - 1];
+                if cost < shared[usize::from(i)].0 {
+                    shared[usize::from(i)] = (cost, k);
                 }
             }
         }
-        let best = (2..=most)
-            .reduce(|a, b| if shared[b].0 < shared[a].0 { b } else { a })
-            .unwrap_or(2);
-        own.cost[0] = area(binary, n) * NODE_COST + shared[best].0;
+        let mut best = 2;
+        for i in 3..=usize::from(own.leaves) {
+            if shared[i].0 < shared[best].0 {
+                best = i;
+            }
+        }
         own.whole = (best as u8, shared[best].1.max(1));
-        for i in 2..=WIDTH {
-            let (cost, left) = if i <= most {
-                shared[i]
-            } else {
-                (f32::INFINITY, 0)
-            };
+        own.cost[0] = area * NODE_COST + shared[best].0;
+        for (i, &(cost, left)) in shared.iter().enumerate().skip(2) {
             let better = cost < own.cost[i - 2];
             own.cost[i - 1] = if better { cost } else { own.cost[i - 2] };
             own.left[i - 1] = if better { left } else { 0 };
         }
-        plans[n] = own;
+        own
     }
-    plans
 }
 
 /// Collects the children of the node that stands for the inner node `n`.
