@@ -6,7 +6,10 @@ use crate::{
     stl,
 };
 use std::path::Path;
-use umbriel_kernels::glam::{Affine3A, Vec2, Vec3, Vec4};
+use umbriel_kernels::{
+    Triangle,
+    glam::{Affine3A, Vec2, Vec3, Vec4},
+};
 use umbriel_render::{Geometry, Instance, Material, MaterialId, Mesh, MeshId, Scene};
 
 /// Reads a glTF, OBJ, PLY or STL file: a scene as it is in the file, possibly without cameras and lights.
@@ -78,9 +81,8 @@ fn clean_mesh(mesh: &mut Mesh, report: &mut Report) {
     mesh.indices.retain(|triangle| {
         let [a, b, c] = triangle.map(|i| positions[i as usize]);
         let finite = a.is_finite() && b.is_finite() && c.is_finite();
-        // In f64, so that small triangles far from the origin and huge ones are judged exactly.
-        let area = (b.as_dvec3() - a.as_dvec3()).cross(c.as_dvec3() - a.as_dvec3());
-        let flat = area.length_squared() == 0.0;
+        // The rule by which rays pass a triangle.
+        let flat = Triangle { a, b, c }.normal() == Vec3::ZERO;
         let near = a.abs().max(b.abs()).max(c.abs()).max_element() <= MAX_COORDINATE;
         broken += usize::from(!finite);
         far += usize::from(finite && !near);

@@ -117,8 +117,17 @@ impl Default for Scratch {
 }
 
 impl InstanceBvh {
-    /// Builds the tree; the numbers of the instances are their places in `placed`. Panics if one names a mesh that is not there.
+    /// The most instances that a tree can have.
+    pub const MOST_INSTANCES: usize = 100_000_000;
+
+    /// Builds the tree; the numbers of the instances are their places in `placed`. Panics if one names a mesh that is not there,
+    /// and above [`InstanceBvh::MOST_INSTANCES`].
     pub fn build(meshes: Vec<MeshBvh>, placed: Vec<Placed>) -> Self {
+        assert!(
+            placed.len() <= Self::MOST_INSTANCES,
+            "{} instances",
+            placed.len()
+        );
         let binary = build_binned(placed.len(), |i| placed[i].bounds(&meshes), &LEAVES);
         let unbounded = |&i: &u32| placed[i as usize].shape.bounds(&meshes).is_none();
         let stretch = |placed: &Placed| placed.to_object.as_ref().map_or(0.0, stretch);

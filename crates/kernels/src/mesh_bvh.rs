@@ -85,6 +85,9 @@ fn solid(triangle: Triangle) -> Option<Triangle> {
 }
 
 impl MeshBvh {
+    /// The most triangles that a mesh can have.
+    pub const MOST_TRIANGLES: usize = MOST_TRIANGLES;
+
     /// Builds the hierarchy, on all threads of the rayon pool it is called in; it is the same on any number of them.
     ///
     /// Each triangle names three of the positions. Triangles without area, with a corner that is not finite or is not among the

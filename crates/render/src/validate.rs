@@ -3,7 +3,10 @@
 use crate::validate_parts as parts;
 use crate::{Geometry, Instance, Scene};
 use std::fmt::Display;
-use umbriel_kernels::glam::{Affine3A, Mat3A, Vec3};
+use umbriel_kernels::{
+    InstanceBvh,
+    glam::{Affine3A, Mat3A, Vec3},
+};
 
 /// Which part of a scene an error is about; the number is the position in the scene's vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -52,6 +55,11 @@ impl Scene {
         check_all(&self.instances, Element::Instance, |i| {
             check_instance(self, i)
         })?;
+        check_all(
+            &[self.instances.len()],
+            |_| Element::Instance(InstanceBvh::MOST_INSTANCES),
+            |&n| parts::check_number("instances", n, InstanceBvh::MOST_INSTANCES),
+        )?;
         check_all(&self.materials, Element::Material, |m| {
             parts::check_material(m, self.textures.len())
         })?;

@@ -7,7 +7,7 @@ use crate::validate::{
 use crate::{AlphaMode, Camera, Light, Material, Mesh, Projection, Texture, TextureRef};
 use std::f32::consts::{FRAC_PI_2, PI};
 use umbriel_kernels::glam::{Vec2, Vec3, Vec4};
-use umbriel_kernels::{Cone, Cuboid, Rectangle, Surface, Torus};
+use umbriel_kernels::{Cone, Cuboid, MeshBvh, Rectangle, Surface, Torus};
 
 pub(crate) fn check_camera(camera: &Camera) -> Check {
     let m = &camera.pose.matrix3;
@@ -88,6 +88,7 @@ pub(crate) fn check_mesh(mesh: &Mesh) -> Check {
             "contain NaN or infinity; must be finite".to_owned(),
         ));
     }
+    check_number("indices", mesh.indices.len(), MeshBvh::MOST_TRIANGLES)?;
     match mesh
         .indices
         .iter()
@@ -102,6 +103,12 @@ pub(crate) fn check_mesh(mesh: &Mesh) -> Check {
         ),
         None => Ok(()),
     }
+}
+
+/// No more of something than a tree can hold.
+pub(crate) fn check_number(field: &'static str, n: usize, most: usize) -> Check {
+    let expected = format!("at most {most}");
+    check(n <= most, field, format!("{n} long"), &expected)
 }
 
 pub(crate) fn check_surface(surface: &Surface) -> Check {
@@ -329,5 +336,21 @@ pub(crate) fn check_light(light: &Light) -> Check {
             check_direction("direction", light.direction)?;
             check_color("illuminance", light.illuminance)
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_no_tree_can_hold_is_refused() {
+        let most = MeshBvh::MOST_TRIANGLES;
+        assert_eq!(check_number("indices", most, most), Ok(()));
+        let message = "is 100000001 long; must be at most 100000000".to_owned();
+        assert_eq!(
+            check_number("indices", most + 1, most),
+            Err(("indices", message))
+        );
     }
 }
