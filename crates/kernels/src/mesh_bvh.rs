@@ -62,9 +62,6 @@ const LEAVES: Leaves = Leaves {
     node_cost: 0.3,
 };
 
-/// With what cuts add, so many that their numbers fit into a child's 27 bits.
-const MOST_TRIANGLES: usize = 100_000_000;
-
 /// References that cuts may add, over the number of triangles.
 const SPARE: f32 = 0.3;
 
@@ -86,7 +83,7 @@ fn solid(triangle: Triangle) -> Option<Triangle> {
 
 impl MeshBvh {
     /// The most triangles that a mesh can have.
-    pub const MOST_TRIANGLES: usize = MOST_TRIANGLES;
+    pub const MOST_TRIANGLES: usize = 100_000_000;
 
     /// Builds the hierarchy, on all threads of the rayon pool it is called in; it is the same on any number of them.
     ///
@@ -94,7 +91,7 @@ impl MeshBvh {
     /// positions are left out and counted ([`MeshBvh::dropped`]). Panics above 100 million triangles.
     pub fn build(positions: &[Vec3], indices: &[[u32; 3]], quality: BuildQuality) -> Self {
         assert!(
-            indices.len() <= MOST_TRIANGLES,
+            indices.len() <= Self::MOST_TRIANGLES,
             "{} triangles in a mesh",
             indices.len()
         );
