@@ -147,7 +147,7 @@ pub fn intersect_triangle_watertight(ray: &Ray, triangle: &Triangle) -> Option<T
 /// difference of two products but to zero, and f64 decides a zero exactly: neighbours that share an edge
 /// agree on its side. f64 also steps in where cancellation would spoil `t` (`is_ill_conditioned`).
 ///
-/// A `t` that is not greater than the bound of its own rounding error is a miss, so that a ray
+/// Unless all corners lie ahead, a `t` that is not greater than the bound of its own rounding error is a miss, so that a ray
 /// does not hit the triangle it starts on (`least_distance`). The triangle must have an area: rounding gives one to
 /// triangles without, which the caller leaves out, as [`MeshBvh`](crate::MeshBvh) does.
 ///
@@ -169,7 +169,8 @@ pub fn intersect_triangle_sheared(
         b.x * a.y - b.y * a.x,
     );
     let reach = a.abs().max(b.abs()).max(c.abs());
-    let depth = a.z.max(b.z).max(c.z) - a.z.min(b.z).min(c.z);
+    let (nearest, furthest) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+    let depth = furthest - nearest;
     if e.x == 0.0 || e.y == 0.0 || e.z == 0.0 || is_ill_conditioned(reach, depth, e.x + e.y + e.z) {
         e = Vec3::new(edge_f64(c, b), edge_f64(a, c), edge_f64(b, a));
     }
@@ -187,7 +188,13 @@ pub fn intersect_triangle_sheared(
     } else {
         -sum
     };
-    if !(ahead > least_distance(reach, e) && t.contains(hit_t)) {
+    // With all corners ahead, whose differences from the origin have the right sign, rounding cannot put the hit elsewhere.
+    let whole = if ray.s.z < 0.0 {
+        furthest < 0.0
+    } else {
+        nearest > 0.0
+    };
+    if !((whole || ahead > least_distance(reach, e)) && t.contains(hit_t)) {
         return None;
     }
     let u = e.y / det;

@@ -119,7 +119,8 @@ impl<S: Simd> ShearedLanes<S> {
         let x = a[0].abs().max(b[0].abs()).max(c[0].abs());
         let y = a[1].abs().max(b[1].abs()).max(c[1].abs());
         let z = a[2].abs().max(b[2].abs()).max(c[2].abs());
-        let depth = a[2].max(b[2]).max(c[2]) - a[2].min(b[2]).min(c[2]);
+        let (nearest, furthest) = (a[2].min(b[2]).min(c[2]), a[2].max(b[2]).max(c[2]));
+        let depth = furthest - nearest;
         let det = e[0] + e[1] + e[2];
         let spread = x.max(y).max(depth);
         let sound = (x * y * spread).simd_le(f32x16::splat(simd, 16.0) * det.abs() * z);
@@ -131,12 +132,14 @@ impl<S: Simd> ShearedLanes<S> {
         let behind = det.simd_lt(zero) ^ t.scale.simd_lt(zero);
         let ahead = behind.select(zero - sum, sum);
         let least = least_distance(simd, [x, y, z], e);
+        let backward = t.scale.simd_lt(zero);
+        let whole = backward.select(zero - furthest, nearest).simd_gt(zero);
         let inside = t.min.simd_lt(hit_t)
             & hit_t.simd_le(t.max)
             & hit_t.simd_lt(f32x16::splat(simd, f32::INFINITY))
-            & ahead.simd_gt(least);
+            & (whole | ahead.simd_gt(least));
         // f64 moves the sum by half of its bound at most.
-        let behind = ahead.simd_le(f32x16::splat(simd, 0.5) * least);
+        let behind = ahead.simd_le(f32x16::splat(simd, 0.5) * least) & !whole;
         let unsure = members & ((on_edge | !sound) & !behind).to_bitmask() as u32;
         LaneHits {
             hit: members & !unsure & inside.to_bitmask() as u32,
