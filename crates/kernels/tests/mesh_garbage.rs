@@ -33,7 +33,7 @@ fn number(random: &mut Random) -> f32 {
 }
 
 fn point(random: &mut Random) -> Vec3 {
-    let wild = random.bits() % 4 == 0;
+    let wild = random.bits().is_multiple_of(4);
     Vec3::from_array([(); 3].map(|()| {
         if wild {
             number(random)
@@ -56,7 +56,7 @@ fn garbage(random: &mut Random, n: usize) -> Mesh {
             k => (random.bits() as usize % if k < 8 { 2 } else { corners }) as u32,
         };
         let triangle = [corner(), corner(), corner()];
-        let again = i > 0 && random.bits() % 8 == 0;
+        let again = i > 0 && random.bits().is_multiple_of(8);
         indices.push(if again { indices[i / 2] } else { triangle });
     }
     indices.truncate(n);
@@ -65,7 +65,7 @@ fn garbage(random: &mut Random, n: usize) -> Mesh {
 
 fn ray(random: &mut Random) -> Ray {
     let mut ray = Ray::new(point(random), point(random));
-    if random.bits() % 3 == 0 {
+    if random.bits().is_multiple_of(3) {
         let [min, max] = [number(random), number(random)];
         ray.t = Interval { min, max };
     }
@@ -77,7 +77,7 @@ fn rays(random: &mut Random, blocks: usize) -> Vec<Ray> {
     let mut rays = Vec::new();
     for _ in 0..blocks {
         let first = ray(random);
-        let alike = random.bits() % 2 == 0;
+        let alike = random.bits().is_multiple_of(2);
         for _ in 0..16 {
             rays.push(if alike {
                 let turned = first.dir + (random.point() * 0.01).as_vec3();

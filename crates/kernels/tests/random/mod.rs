@@ -20,6 +20,10 @@ impl Random {
     }
 
     /// Uniform in exponent between two positive numbers.
+    #[allow(
+        dead_code,
+        reason = "not every test file that shares this module draws magnitudes"
+    )]
     pub(crate) fn magnitude(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
