@@ -140,8 +140,9 @@ impl MeshBvh {
         self.dropped
     }
 
-    /// The nearest hit of each ray.
+    /// The nearest hit of each ray. `hits` is as long as `rays`.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<MeshHit>], walk: Walk) {
+        assert_eq!(rays.len(), hits.len());
         dispatch!(self.unit.level(), simd => {
             let mut stacks = Stacks::default();
             for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
@@ -150,8 +151,9 @@ impl MeshBvh {
         });
     }
 
-    /// Whether each ray meets any triangle.
+    /// Whether each ray meets any triangle. `occluded` is as long as `rays`.
     pub fn any_hits(&self, rays: &[Ray], occluded: &mut [bool], walk: Walk) {
+        assert_eq!(rays.len(), occluded.len());
         dispatch!(self.unit.level(), simd => {
             let mut stacks = Stacks::default();
             for (rays, occluded) in rays.chunks(RAYS).zip(occluded.chunks_mut(RAYS)) {

@@ -15,7 +15,7 @@ pub(crate) struct Node {
 }
 
 impl Node {
-    /// Unused places, which no ray meets (and if it did, they are leaves without items).
+    /// Unused places, which no ray meets; to visit one would panic.
     pub(crate) const EMPTY: Self = Self {
         bounds: [
             [f32::MAX; WIDTH],
