@@ -1,5 +1,7 @@
 //! How a picture is made, apart from the scene.
 
+use crate::ShadowMapSettings;
+
 /// The algorithm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
@@ -62,6 +64,8 @@ pub struct Settings {
     pub shadows: bool,
     /// What a shadow ray does at glass.
     pub glass_shadows: GlassShadows,
+    /// How each light's shadow map is made and read, in the order of the scene's lights; lights beyond the end have the default.
+    pub shadow_maps: Vec<ShadowMapSettings>,
     /// Changes the places of the samples in the pixels.
     pub seed: u64,
 }
@@ -77,6 +81,7 @@ impl Default for Settings {
             min_weight: 1.0 / 256.0,
             shadows: true,
             glass_shadows: GlassShadows::default(),
+            shadow_maps: Vec::new(),
             seed: 0,
         }
     }

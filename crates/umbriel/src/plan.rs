@@ -123,6 +123,7 @@ fn settings(args: &RenderArgs, scene: &SceneSettings, size: [u32; 2]) -> Setting
             .map(Into::into)
             .or(scene.glass_shadows)
             .unwrap_or(base.glass_shadows),
+        shadow_maps: base.shadow_maps,
         seed: args.seed.or(scene.seed).unwrap_or(base.seed),
     }
 }
