@@ -4,14 +4,15 @@ A peer answers requests, one JSON object a line, until its input ends:
 
     {"width", "height", "taps": 1 or 9, "cull": back faces in both passes, "frames", "picture": PNG to write or null}
 
-with {"map", "eye", "frame"}: milliseconds of each frame for the pass from the light, the pass from the eye, and both
-without waiting in between. One frame more is drawn before, for the compiler of the shaders.
+with {"map", "eye", "frame", "cpu"}: milliseconds of each frame for the pass from the light, the pass from the eye, both
+without waiting in between, and of the processors during the last, all threads together. One frame more is drawn
+before, for the compiler of the shaders.
 """
 
 import json
 import sys
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, process_time
 
 import numpy
 from PIL import Image
@@ -83,10 +84,10 @@ class Scene:
 
 
 def milliseconds(work):
-    """Wall time of a function that ends when its work is done."""
-    start = perf_counter()
+    """Wall and CPU time of a function that ends when its work is done."""
+    start = perf_counter(), process_time()
     work()
-    return 1000 * (perf_counter() - start)
+    return 1000 * (perf_counter() - start[0]), 1000 * (process_time() - start[1])
 
 
 def measure(passes, frames):
@@ -98,10 +99,12 @@ def measure(passes, frames):
         "frame": lambda: (draw_map(), draw_eye(), finish()),
     }
     works["frame"]()
-    times = {name: [] for name in works}
+    times = {name: [] for name in (*works, "cpu")}
     for _ in range(frames):
         for name, work in works.items():
-            times[name].append(milliseconds(work))
+            wall, cpu = milliseconds(work)
+            times[name].append(wall)
+        times["cpu"].append(cpu)
     return times
 
 
