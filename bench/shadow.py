@@ -127,6 +127,10 @@ def median(times, kind):
     return statistics.median(time for turn in times for time in turn[kind])
 
 
+def on(threads):
+    return f"{threads} thread{'s' if threads > 1 else ''}"
+
+
 def speed_rows(cell, threads, times):
     """Each pass against each peer."""
     rows, ours = [], times["umbriel"]
@@ -136,7 +140,7 @@ def speed_rows(cell, threads, times):
             paired = statistics.median(median([theirs], kind) / median([mine], kind) for mine, theirs in turns)
             goal = GOALS[cell.triangles] if (peer, kind, threads) == ("llvmpipe", "frame", 2) else None
             words = "frame" if kind == "cpu" else kind
-            case = f"{cell}, {words}, {threads} thread{'s' if threads > 1 else ''}"
+            case = f"{cell}, {words}, {on(threads)}"
             figures = (median(ours, kind), peer, median(times[peer], kind))
             rows.append(Row(case, unit, *figures, goal, paired=paired))
     return rows
@@ -157,7 +161,7 @@ def scene_rows(programs, triangles, threads, repetitions):
         for cell in cells(triangles):
             times = rounds(renderers, cell, repetitions, pictures=threads == 2)
             words = [f"{name} {median(turns, 'map'):.1f} + {median(turns, 'eye'):.1f}" for name, turns in times.items()]
-            say(f"{cell}, {threads} threads: {', '.join(words)} ms")
+            say(f"{cell}, {on(threads)}: {', '.join(words)} ms")
             rows += speed_rows(cell, threads, times)
             if threads == 2:
                 rows.append(picture_row(programs, cell))
