@@ -1,5 +1,6 @@
 """Finds the peers, or installs them from Debian and PyPI and says so."""
 
+import glob
 import os
 import re
 import shutil
@@ -13,6 +14,8 @@ FOLDER = ROOT / "bench/.peers"
 MITSUBA = "mitsuba==3.9.1"
 # Carries Embree 4.4.0 as a shared library.
 EMBREE = "embreex==4.4.0.post1"
+# OpenGL and Vulkan for Python; pictures.
+RASTERISERS = ("moderngl==5.12.0", "wgpu==0.32.0", "numpy", "pillow")
 # Older ones abort in Mitsuba's code generation (15 and 16 on AVX-512 machines) or are untried.
 OLDEST_LLVM = 19
 
@@ -42,20 +45,38 @@ def povray():
     return "povray"
 
 
-def mitsuba():
-    """The Python that has Mitsuba 3, in a virtual environment of its own."""
-    python = FOLDER / "mitsuba/bin/python"
-    if python.exists() and subprocess.run([python, "-c", "import mitsuba"]).returncode == 0:
+def python_with(name, modules, packages):
+    """The Python of a virtual environment of its own, made with the packages unless the modules are there."""
+    python = FOLDER / name / "bin/python"
+    if python.exists() and subprocess.run([python, "-c", f"import {modules}"]).returncode == 0:
         return python
-    say(f"installing from PyPI into {FOLDER.relative_to(ROOT)}: {MITSUBA} numpy")
+    say(f"installing from PyPI into {FOLDER.relative_to(ROOT)}: {' '.join(packages)}")
     FOLDER.mkdir(exist_ok=True)
     for command in (
-        [sys.executable, "-m", "venv", FOLDER / "mitsuba"],
-        [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", MITSUBA, "numpy"],
+        [sys.executable, "-m", "venv", FOLDER / name],
+        [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *packages],
     ):
         if subprocess.run(command, stdout=sys.stderr).returncode != 0:
-            raise Missing(f"cannot install Mitsuba: `{' '.join(map(str, command))}` failed")
+            raise Missing(f"cannot install {packages[0]}: `{' '.join(map(str, command))}` failed")
     return python
+
+
+def mitsuba():
+    """The Python that has Mitsuba 3."""
+    return python_with("mitsuba", "mitsuba", [MITSUBA, "numpy"])
+
+
+def rasterisers():
+    """The Python that draws through OpenGL and Vulkan, and Mesa's drivers that do it on the CPU."""
+    drivers = {
+        "libegl1": "/usr/lib/*/libEGL.so.1",
+        "libgl1-mesa-dri": "/usr/lib/*/dri/swrast_dri.so",
+        "mesa-vulkan-drivers": "/usr/share/vulkan/icd.d/lvp_icd*.json",
+    }
+    for package, file in drivers.items():
+        if not glob.glob(file):
+            debian(package)
+    return python_with("rasterisers", "moderngl, numpy, PIL, wgpu", RASTERISERS)
 
 
 def embree():
