@@ -2,6 +2,7 @@
 
 use crate::TriangleHit;
 use crate::offset::gamma;
+use crate::triangle::CLOSE;
 use fearless_simd::{Simd, f32x16, prelude::*};
 
 /// The sheared corners of a triangle, as a ray sees them, in each lane.
@@ -138,7 +139,8 @@ impl<S: Simd> ShearedLanes<S> {
             & hit_t.simd_le(t.max)
             & hit_t.simd_lt(f32x16::splat(simd, f32::INFINITY));
         let in_doubt = !(whole | ahead.simd_gt(least));
-        let possible = whole | !ahead.simd_lt(zero - least);
+        let close = least.simd_le(f32x16::splat(simd, CLOSE) * det.abs() * z);
+        let possible = whole | !ahead.simd_le(close.select(least, zero - least));
         let unsure = possible & (on_edge | in_doubt | !sound);
         let unsure = members & unsure.to_bitmask() as u32;
         LaneHits {
