@@ -37,6 +37,12 @@ impl Triangle {
         self.area_vector().normalize_or(DVec3::X).as_vec3()
     }
 
+    /// Whether the corners are finite and the triangle has an area: rays can hit no other.
+    pub(crate) fn is_solid(&self) -> bool {
+        let finite = self.a.is_finite() && self.b.is_finite() && self.c.is_finite();
+        finite && self.normal() != Vec3::ZERO
+    }
+
     fn area_vector(&self) -> DVec3 {
         let a = self.a.as_dvec3();
         (self.b.as_dvec3() - a).cross(self.c.as_dvec3() - a)
@@ -173,6 +179,7 @@ pub fn intersect_triangle_watertight(ray: &Ray, triangle: &Triangle) -> Option<T
 /// does not hit the triangle that it starts on (`starts_before`). For the same reason, and to save time, a hit in doubt is a miss
 /// outright where the doubt is no longer than 2⁻¹² of the triangle's distance: only at grazing angles and on slivers is it longer.
 ///
+/// For distances between 10⁻¹² and 10¹²: beyond, products of three may underflow or overflow in f32, after which hits may be missed.
 /// The triangle must have an area: rounding gives one to triangles without, which the caller leaves out, as
 /// [`MeshBvh`](crate::MeshBvh) does.
 ///
