@@ -23,7 +23,7 @@ impl InstanceBvh {
         if rays.is_empty() {
             return;
         }
-        let ready = Rays16::new(simd, rays, self.bounds_for(rays));
+        let ready = Rays16::new(simd, rays, self.tree.bounds(), self.stretch);
         let mut seekers = Seekers {
             rays,
             t_max: ready.t_max.into(),
@@ -133,7 +133,7 @@ impl InstanceBvh {
         if rays.is_empty() {
             return;
         }
-        let ready = Rays16::new(simd, rays, self.bounds_for(rays));
+        let ready = Rays16::new(simd, rays, self.tree.bounds(), self.stretch);
         let mut shadows = Shadows {
             rays,
             met: 0,

@@ -32,8 +32,8 @@ pub type Filter<'a> = dyn Fn(&Ray, &Hit) -> bool + 'a;
 
 /// A tree over instances, each of which may have its own tree.
 ///
-/// Nearer hits win, and at equal `t` the lower (instance, primitive). A ray whose direction is so short that
-/// its reciprocal overflows meets nothing, nor does one that is not finite.
+/// Nearer hits win, and at equal `t` the lower (instance, primitive). A ray meets nothing unless it is finite, goes somewhere and
+/// is in the range of [`MeshBvh::closest_hits`], of which the distance counts for each mesh alone.
 ///
 /// Each hit is computed in object space by the slide of its shape or its twin, from the ray moved there by [`Ray::transformed`].
 /// The boxes of the instances hold all hits that are found so:
@@ -49,7 +49,7 @@ pub type Filter<'a> = dyn Fn(&Ray, &Hit) -> bool + 'a;
 ///   space (see `BoxRay`): 106u times the reach in object space, which is at most that in the world times `|M|`, and the shape's
 ///   own size. Both together are at most `106u·stretch` times the greatest reach `R` in the world, with
 ///   `stretch = ‖ |T||M| ‖∞ + 2`. For scaling after which a rotation follows the norm is 3 at most, however uneven the scaling; for
-///   shears it may be large. So the tree is walked as if its bounds were wider by `stretch·R` on all
+///   shears it may be large. So each ray walks the tree as if its bounds were wider by `stretch·R` on all
 ///   sides, which makes the pads of its boxes that much wider.
 ///
 /// This takes the shape's box in object space to be about as long along all axes; otherwise the second part of the bound holds up to the ratio
@@ -120,8 +120,10 @@ impl InstanceBvh {
     /// The most instances that a tree can have.
     pub const MOST_INSTANCES: usize = 100_000_000;
 
-    /// Builds the tree; the numbers of the instances are their places in `placed`. Panics if one names a mesh that is not there,
-    /// and above [`InstanceBvh::MOST_INSTANCES`].
+    /// Builds the tree; the numbers of the instances are their places in `placed`.
+    ///
+    /// # Panics
+    /// If an instance names a mesh that is not there, and above [`InstanceBvh::MOST_INSTANCES`].
     pub fn build(meshes: Vec<MeshBvh>, placed: Vec<Placed>) -> Self {
         assert!(
             placed.len() <= Self::MOST_INSTANCES,
@@ -157,6 +159,13 @@ impl InstanceBvh {
         &self.meshes
     }
 
+    /// Number of instances that no ray can hit: their transform has no inverse, or nothing is left of their mesh.
+    /// Infinite planes do not count.
+    pub fn dropped(&self) -> usize {
+        let held = self.items.len() + self.unbounded.len();
+        self.placed.len().saturating_sub(held)
+    }
+
     /// Bytes on the heap.
     pub fn memory(&self) -> usize {
         self.tree.memory()
@@ -165,8 +174,12 @@ impl InstanceBvh {
             + self.placed.capacity() * size_of::<Placed>()
     }
 
-    /// The nearest hit of each ray, among those that `filter` says are there. `hits` is as long as `rays`.
+    /// The nearest hit of each ray, among those that `filter` says are there.
+    ///
+    /// # Panics
+    /// If `hits` is not as long as `rays`.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>], filter: &Filter) {
+        assert_eq!(rays.len(), hits.len());
         dispatch!(self.unit.level(), simd => {
             let mut scratch = Scratch::default();
             for (rays, hits) in rays.chunks(RAYS).zip(hits.chunks_mut(RAYS)) {
@@ -183,8 +196,12 @@ impl InstanceBvh {
         });
     }
 
-    /// Whether each ray meets anything that `filter` says is there. `occluded` is as long as `rays`.
+    /// Whether each ray meets anything that `filter` says is there.
+    ///
+    /// # Panics
+    /// If `occluded` is not as long as `rays`.
     pub fn any_hits(&self, rays: &[Ray], occluded: &mut [bool], filter: &Filter) {
+        assert_eq!(rays.len(), occluded.len());
         dispatch!(self.unit.level(), simd => {
             let mut scratch = Scratch::default();
             for (rays, occluded) in rays.chunks(RAYS).zip(occluded.chunks_mut(RAYS)) {
@@ -209,22 +226,6 @@ impl InstanceBvh {
                 },
             ] => Some(&self.meshes[mesh]),
             _ => None,
-        }
-    }
-
-    /// Bounds that make the boxes' pads wide enough for these rays.
-    pub(crate) fn bounds_for(&self, rays: &[Ray]) -> Aabb {
-        let bounds = self.tree.bounds();
-        if self.stretch == 0.0 {
-            return bounds;
-        }
-        let origins = rays.iter().map(|ray| ray.origin);
-        let origins = Aabb::from_points(origins.filter(|origin| origin.is_finite()));
-        let reach = (bounds.max - origins.min).max(origins.max - bounds.min);
-        let more = Vec3::splat(reach.max_element() * self.stretch);
-        Aabb {
-            min: bounds.min - more,
-            max: bounds.max + more,
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Rays meet surfaces: intersection functions and a bounding volume hierarchy.
 //!
 //! Each topic has a **slide**: one short function that follows its source and is the specification.
-//! A miss is `None`; there is no epsilon to tune; no input panics.
+//! A miss is `None`; there is no epsilon to tune. No numbers panic, whatever they are; slices of
+//! different lengths and indices out of range do, where `# Panics` says so.
 //!
 //! | topic | slide | source | twin |
 //! |---|---|---|---|

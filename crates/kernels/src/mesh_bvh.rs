@@ -75,12 +75,6 @@ const NOWHERE: Triangle = Triangle {
     c: Vec3::NAN,
 };
 
-/// The triangle, if it has an area and finite corners.
-fn solid(triangle: Triangle) -> Option<Triangle> {
-    let finite = triangle.a.is_finite() && triangle.b.is_finite() && triangle.c.is_finite();
-    (finite && triangle.normal() != Vec3::ZERO).then_some(triangle)
-}
-
 impl MeshBvh {
     /// The most triangles that a mesh can have.
     pub const MOST_TRIANGLES: usize = 100_000_000;
@@ -88,7 +82,10 @@ impl MeshBvh {
     /// Builds the hierarchy, on all threads of the rayon pool it is called in; it is the same on any number of them.
     ///
     /// Each triangle names three of the positions. Triangles without area, with a corner that is not finite or is not among the
-    /// positions are left out and counted ([`MeshBvh::dropped`]). Panics above 100 million triangles.
+    /// positions are left out and counted ([`MeshBvh::dropped`]).
+    ///
+    /// # Panics
+    /// Above [`MeshBvh::MOST_TRIANGLES`].
     pub fn build(positions: &[Vec3], indices: &[[u32; 3]], quality: BuildQuality) -> Self {
         assert!(
             indices.len() <= Self::MOST_TRIANGLES,
@@ -100,14 +97,24 @@ impl MeshBvh {
             let [a, b, c] = indices[i].map(corner);
             Triangle { a, b, c }
         };
-        let solid = |i: usize| solid(triangle(i)).unwrap_or(NOWHERE);
+        let solid = |i: usize| {
+            Some(triangle(i))
+                .filter(Triangle::is_solid)
+                .unwrap_or(NOWHERE)
+        };
         let cut = match quality {
             BuildQuality::Auto => excess_boxes(indices.len(), solid) > MUCH_EXCESS,
             BuildQuality::Fast => false,
             BuildQuality::High => true,
         };
         let binary = if cut {
-            build_spatial(indices.len(), solid, SPARE, &LEAVES)
+            build_spatial(
+                indices.len(),
+                |i| solid(i).bounds(),
+                triangle,
+                SPARE,
+                &LEAVES,
+            )
         } else {
             build_binned(indices.len(), |i| solid(i).bounds(), &LEAVES)
         };
@@ -140,7 +147,17 @@ impl MeshBvh {
         self.dropped
     }
 
-    /// The nearest hit of each ray. `hits` is as long as `rays`.
+    /// The nearest hit of each ray.
+    ///
+    /// A ray meets nothing unless it is finite, goes somewhere and is in range:
+    /// ```text
+    /// max(1, |oᵢ|) < 2⁸⁶ max |dᵢ|        max |dᵢ| ≤ 2¹²⁶
+    /// ```
+    /// and no part of the mesh further from the origin, along any axis, than 2²⁴ times its extent, where rounding would
+    /// swallow it. Beyond, no box could be left out, and a ray would cost as much as all triangles.
+    ///
+    /// # Panics
+    /// If `hits` is not as long as `rays`.
     pub fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<MeshHit>], walk: Walk) {
         assert_eq!(rays.len(), hits.len());
         dispatch!(self.unit.level(), simd => {
@@ -151,7 +168,10 @@ impl MeshBvh {
         });
     }
 
-    /// Whether each ray meets any triangle. `occluded` is as long as `rays`.
+    /// Whether each ray meets any triangle, in the range of [`MeshBvh::closest_hits`].
+    ///
+    /// # Panics
+    /// If `occluded` is not as long as `rays`.
     pub fn any_hits(&self, rays: &[Ray], occluded: &mut [bool], walk: Walk) {
         assert_eq!(rays.len(), occluded.len());
         dispatch!(self.unit.level(), simd => {

@@ -37,6 +37,12 @@ impl Triangle {
         self.area_vector().normalize_or(DVec3::X).as_vec3()
     }
 
+    /// Whether the corners are finite and the triangle has an area: rays can hit no other.
+    pub(crate) fn is_solid(&self) -> bool {
+        let finite = self.a.is_finite() && self.b.is_finite() && self.c.is_finite();
+        finite && self.normal() != Vec3::ZERO
+    }
+
     fn area_vector(&self) -> DVec3 {
         let a = self.a.as_dvec3();
         (self.b.as_dvec3() - a).cross(self.c.as_dvec3() - a)
@@ -85,6 +91,7 @@ pub fn intersect_triangle(ray: &Ray, triangle: &Triangle) -> Option<TriangleHit>
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShearedRay {
     origin: Vec3,
+    dir: Vec3,
     kx: usize,
     ky: usize,
     kz: usize,
@@ -106,6 +113,7 @@ impl ShearedRay {
         }
         Self {
             origin: ray.origin,
+            dir: d,
             kx,
             ky,
             kz,
@@ -116,10 +124,31 @@ impl ShearedRay {
     /// A corner as seen from the ray: moved, permuted and sheared, with `z` along `kz` not yet
     /// scaled to `t`.
     #[inline]
-    fn shear(&self, corner: Vec3) -> Vec3 {
+    pub(crate) fn shear(&self, corner: Vec3) -> Vec3 {
         let p = corner - self.origin;
         let z = p[self.kz];
         Vec3::new(p[self.kx] - self.s.x * z, p[self.ky] - self.s.y * z, z)
+    }
+
+    /// Component `kz` of the direction.
+    pub(crate) fn length(&self) -> f32 {
+        self.dir[self.kz]
+    }
+
+    /// Whether the ray meets the plane of a triangle ahead, in f64, and does not start on the triangle.
+    ///
+    /// It starts there if `(p − o)·m ≤ 4u Σ |oᵢ mᵢ|`, which rounding `o` and the few operations that lead to it may bring about,
+    /// for each of four planes through a corner `p` with normal `m`: that of the triangle, and those upright on its edges.
+    fn starts_before(&self, triangle: &Triangle) -> bool {
+        let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(Vec3::as_dvec3);
+        let (o, n) = (self.origin.as_dvec3(), triangle.area_vector());
+        let approach = self.dir.as_dvec3().dot(n);
+        let onwards = n * approach.signum();
+        let slack = o.abs() * (2.0 * f64::from(f32::EPSILON));
+        let is_beyond = |(p, m): (DVec3, DVec3)| (p - o).dot(m) > slack.dot(m.abs());
+        let upright = |p, q| (p, n.cross(q - p));
+        let planes = [(a, onwards), upright(a, b), upright(b, c), upright(c, a)];
+        approach != 0.0 && (a - o).dot(onwards) > 0.0 && planes.into_iter().any(is_beyond)
     }
 }
 
@@ -145,11 +174,14 @@ pub fn intersect_triangle_watertight(ray: &Ray, triangle: &Triangle) -> Option<T
 /// ```
 /// The ray hits where the three do not differ in sign. Rounding never flips the sign of a
 /// difference of two products but to zero, and f64 decides a zero exactly: neighbours that share an edge
-/// agree on its side. f64 also steps in where cancellation would spoil `t` (`is_ill_conditioned`).
+/// agree on its side. f64 also steps in where cancellation would spoil `t` (`is_ill_conditioned`), and where its sign is in
+/// doubt (`least_distance`), unless all corners lie ahead. There it also looks at the true plane, so that a ray
+/// does not hit the triangle that it starts on (`starts_before`). For the same reason, and to save time, a hit in doubt is a miss
+/// outright where the doubt is no longer than 2⁻¹² of the triangle's distance: only at grazing angles and on slivers is it longer.
 ///
-/// Unless all corners lie ahead, a `t` that is not greater than the bound of its own rounding error is a miss, so that a ray
-/// does not hit the triangle it starts on (`least_distance`). The triangle must have an area: rounding gives one to
-/// triangles without, which the caller leaves out, as [`MeshBvh`](crate::MeshBvh) does.
+/// For distances between 10⁻¹² and 10¹²: beyond, products of three may underflow or overflow in f32, after which hits may be missed.
+/// The triangle must have an area: rounding gives one to triangles without, which the caller leaves out, as
+/// [`MeshBvh`](crate::MeshBvh) does.
 ///
 /// Source: Woop, Benthin & Wald, "Watertight Ray/Triangle Intersection", Journal of Computer
 /// Graphics Techniques 2(1), 2013.
@@ -159,53 +191,67 @@ pub fn intersect_triangle_sheared(
     t: Interval,
     triangle: &Triangle,
 ) -> Option<TriangleHit> {
-    let a = ray.shear(triangle.a);
-    let b = ray.shear(triangle.b);
-    let c = ray.shear(triangle.c);
-
-    let mut e = Vec3::new(
+    let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(|p| ray.shear(p));
+    let e = Vec3::new(
         c.x * b.y - c.y * b.x,
         a.x * c.y - a.y * c.x,
         b.x * a.y - b.y * a.x,
     );
-    let reach = a.abs().max(b.abs()).max(c.abs());
-    let (nearest, furthest) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
-    let depth = furthest - nearest;
-    if e.x == 0.0 || e.y == 0.0 || e.z == 0.0 || is_ill_conditioned(reach, depth, e.x + e.y + e.z) {
-        e = Vec3::new(edge_f64(c, b), edge_f64(a, c), edge_f64(b, a));
-    }
     if e.min_element() < 0.0 && e.max_element() > 0.0 {
         return None;
     }
     let det = e.x + e.y + e.z;
-    if det == 0.0 {
+    let sum = e.x * a.z + e.y * b.z + e.z * c.z;
+
+    let reach = a.abs().max(b.abs()).max(c.abs());
+    let (nearest, furthest) = (a.z.min(b.z).min(c.z), a.z.max(b.z).max(c.z));
+    let backward = ray.s.z < 0.0;
+    // Differences from the origin have the right sign, so with all corners ahead rounding cannot put the hit elsewhere.
+    let whole = if backward { -furthest } else { nearest } > 0.0;
+    let ahead = if (det < 0.0) == backward { sum } else { -sum };
+    let least = least_distance(reach, e);
+    let is_close = least <= CLOSE * det.abs() * reach.z;
+    if !whole && ahead <= if is_close { least } else { -least } {
         return None;
     }
-    let sum = e.x * a.z + e.y * b.z + e.z * c.z;
-    let hit_t = sum / det * ray.s.z;
-    let ahead = if (det < 0.0) == (ray.s.z < 0.0) {
-        sum
-    } else {
-        -sum
-    };
-    // With all corners ahead, whose differences from the origin have the right sign, rounding cannot put the hit elsewhere.
-    let whole = if ray.s.z < 0.0 {
-        furthest < 0.0
-    } else {
-        nearest > 0.0
-    };
-    if !((whole || ahead > least_distance(reach, e)) && t.contains(hit_t)) {
-        return None;
+    let on_edge = e.x == 0.0 || e.y == 0.0 || e.z == 0.0;
+    let in_doubt = !(whole || ahead > least);
+    if on_edge || in_doubt || is_ill_conditioned(reach, furthest - nearest, det) {
+        return decide_in_f64(ray, t, triangle, [a, b, c], whole);
     }
     let u = e.y / det;
     // The minimum undoes the rounding that would take u + v above 1.
     let v = (e.z / det).min(1.0 - u);
-    Some(TriangleHit { t: hit_t, u, v })
+    let hit_t = sum / det * ray.s.z;
+    t.contains(hit_t).then_some(TriangleHit { t: hit_t, u, v })
 }
 
-/// `px qy − py qx` of two f32 pairs; the products are exact in f64, so the sign is.
-fn edge_f64(p: Vec3, q: Vec3) -> f32 {
-    (f64::from(p.x) * f64::from(q.y) - f64::from(p.y) * f64::from(q.x)) as f32
+/// Doubts about `t`, over the greatest distance of the corners along `kz`, that need no f64.
+pub(crate) const CLOSE: f32 = 1.0 / 4096.0;
+
+/// The formulas of [`intersect_triangle_sheared`] in f64, where products of f32 are exact, from the corners as f32 has them sheared.
+fn decide_in_f64(
+    ray: &ShearedRay,
+    t: Interval,
+    triangle: &Triangle,
+    corners: [Vec3; 3],
+    whole: bool,
+) -> Option<TriangleHit> {
+    let [a, b, c] = corners.map(Vec3::as_dvec3);
+    let e = DVec3::new(
+        c.x * b.y - c.y * b.x,
+        a.x * c.y - a.y * c.x,
+        b.x * a.y - b.y * a.x,
+    );
+    let det = e.element_sum();
+    let differ = e.min_element() < 0.0 && e.max_element() > 0.0;
+    if differ || det == 0.0 || !(whole || ray.starts_before(triangle)) {
+        return None;
+    }
+    let hit_t = (e.dot(DVec3::new(a.z, b.z, c.z)) / det) as f32 * ray.s.z;
+    let u = (e.y / det) as f32;
+    let v = ((e.z / det) as f32).min(1.0 - u);
+    t.contains(hit_t).then_some(TriangleHit { t: hit_t, u, v })
 }
 
 /// Tells whether the rounding of edge functions in f32 could move the hit by more than the boxes around it allow for.
@@ -219,7 +265,7 @@ fn is_ill_conditioned(reach: Vec3, depth: f32, det: f32) -> bool {
     !(reach.x * reach.y * spread <= 16.0 * det.abs() * reach.z)
 }
 
-/// Bounds the rounding error of `|U Az + V Bz + W Cz|`; a hit nearer than that may be the start itself.
+/// Bounds the rounding error of `|U Az + V Bz + W Cz|`, whose sign is known beyond.
 ///
 /// With the greatest absolute coordinates `x`, `y`, `z` of the sheared corners and `e` of the edge
 /// functions

@@ -5,7 +5,7 @@
 mod meshes;
 mod random;
 
-use meshes::{Mesh, askew, bumpy_sphere, needle_box, torus};
+use meshes::{Mesh, askew, brute, bumpy_sphere, needle_box, torus};
 use random::Random;
 use umbriel_kernels::glam::Vec3;
 use umbriel_kernels::{BuildQuality, MeshBvh, Ray, VectorUnit, Walk};
@@ -16,9 +16,6 @@ const FAR: Vec3 = Vec3::new(148_376.0, 1234.0, -223_423.0);
 /// Share of rays that may be lost there, where corners lie on multiples of 1/64: Embree's own figure.
 const LOST_FAR: f64 = 2e-5;
 
-/// The same for needles, whose neighbours overlap or stand off when their corners are moved by a part of their width.
-const LOST_FAR_NEEDLES: f64 = 1e-4;
-
 const QUALITIES: [BuildQuality; 2] = [BuildQuality::Fast, BuildQuality::High];
 
 struct Closed {
@@ -26,22 +23,28 @@ struct Closed {
     mesh: Mesh,
     /// A point well inside.
     inside: fn(&mut Random) -> Vec3,
-    lost_far: f64,
 }
 
-fn closed() -> [Closed; 3] {
+fn in_needles(random: &mut Random) -> Vec3 {
+    askew() * (random.point().as_vec3() * Vec3::new(9.0, 0.8, 0.8))
+}
+
+fn closed() -> [Closed; 4] {
     [
         Closed {
             name: "sphere",
             mesh: bumpy_sphere(6),
             inside: |random| (random.point() * 0.4).as_vec3(),
-            lost_far: LOST_FAR,
         },
         Closed {
             name: "needles",
             mesh: needle_box(100),
-            inside: |random| askew() * (random.point().as_vec3() * Vec3::new(9.0, 0.8, 0.8)),
-            lost_far: LOST_FAR_NEEDLES,
+            inside: in_needles,
+        },
+        Closed {
+            name: "slivers",
+            mesh: needle_box(1000),
+            inside: in_needles,
         },
         Closed {
             name: "torus",
@@ -51,13 +54,12 @@ fn closed() -> [Closed; 3] {
                 let on_ring = 2.0 * Vec3::new(turn.cos() as f32, 0.0, turn.sin() as f32);
                 on_ring + (random.point() * 0.2).as_vec3()
             },
-            lost_far: LOST_FAR,
         },
     ]
 }
 
 fn rays_wanted() -> usize {
-    std::env::var("LEAK_RAYS").map_or(2_000_000, |n| n.parse().expect("a number"))
+    std::env::var("LEAK_RAYS").map_or(1_000_000, |n| n.parse().expect("a number"))
 }
 
 /// Sixteen rays from one point at neighbouring triangles: two thirds at edges, the others at corners or anywhere.
@@ -113,12 +115,9 @@ fn lost(
 
 #[test]
 fn no_ray_gets_out_of_a_closed_mesh() {
-    let each = rays_wanted() / 12;
+    let each = rays_wanted() / 16;
     let mut seed = 1;
-    for Closed {
-        name, mesh, inside, ..
-    } in closed()
-    {
+    for Closed { name, mesh, inside } in closed() {
         for quality in QUALITIES {
             let bvh = MeshBvh::build(&mesh.positions, &mesh.indices, quality);
             assert_eq!(bvh.dropped(), 0, "{name}");
@@ -132,13 +131,21 @@ fn no_ray_gets_out_of_a_closed_mesh() {
     }
 }
 
+/// A sliver 1 : 10,000 seen edge-on, 0.32 away: the rounding of `t` in f32 is larger than that.
+#[test]
+fn an_edge_on_sliver_close_by_is_met() {
+    let mesh = needle_box(1000);
+    let origin = Vec3::new(-4.579_438_7, -2.4804, 3.787_209_5);
+    let ray = Ray::new(origin, Vec3::new(0.517_036_6, 0.482_754_38, 0.706_838_97));
+    let hit = brute(&ray, &mesh.triangles()).expect("a closed mesh around the origin");
+    assert_eq!(hit.primitive, 7101);
+    assert!((hit.t - 0.3218).abs() < 1e-3, "{hit:?}");
+}
+
 #[test]
 fn no_ray_gets_out_on_any_vector_unit() {
-    let each = rays_wanted() / 100;
-    for Closed {
-        name, mesh, inside, ..
-    } in closed()
-    {
+    let each = rays_wanted() / 400;
+    for Closed { name, mesh, inside } in closed() {
         for quality in QUALITIES {
             let bvh = MeshBvh::build(&mesh.positions, &mesh.indices, quality);
             for (i, unit) in VectorUnit::available().into_iter().enumerate() {
@@ -154,14 +161,8 @@ fn no_ray_gets_out_on_any_vector_unit() {
 
 #[test]
 fn next_to_no_ray_gets_out_far_from_the_origin() {
-    let each = rays_wanted() / 12;
-    for Closed {
-        name,
-        mesh,
-        inside,
-        lost_far,
-    } in closed()
-    {
+    let each = rays_wanted() / 16;
+    for Closed { name, mesh, inside } in closed() {
         let mesh = mesh.moved(2.0, FAR);
         for quality in QUALITIES {
             let bvh = MeshBvh::build(&mesh.positions, &mesh.indices, quality);
@@ -172,7 +173,7 @@ fn next_to_no_ray_gets_out_far_from_the_origin() {
                 println!(
                     "{name} {quality:?} {walk:?}: {each} rays, {lost:?} lost, {dropped} dropped"
                 );
-                let most = (each as f64 * lost_far) as usize;
+                let most = (each as f64 * LOST_FAR) as usize;
                 assert!(lost.iter().all(|&n| n <= most), "{name}: {lost:?}");
             }
         }

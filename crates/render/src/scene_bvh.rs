@@ -48,6 +48,11 @@ impl<'a> SceneBvh<'a> {
         self.instances.meshes().iter().map(MeshBvh::dropped).sum()
     }
 
+    /// Number of instances that no ray can hit, because their transform has no inverse or nothing is left of their mesh.
+    pub fn dropped_instances(&self) -> usize {
+        self.instances.dropped()
+    }
+
     /// The first thing that each ray meets.
     ///
     /// Holes of materials with [`AlphaMode::Mask`] and the backs of single-sided meshes are not met. `hits` is as long

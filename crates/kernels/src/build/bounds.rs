@@ -18,7 +18,8 @@ impl Bounds {
         max: Vec4::NEG_INFINITY,
     };
 
-    /// The least box that holds both. NaN in `other` is ignored: the vector minimum gives its second operand then.
+    /// The least box that holds both. NaN in `other`, as of the middle of an infinite box, is ignored where the unit's minimum
+    /// gives its second operand then, as that of x86 does.
     #[inline(always)]
     pub(super) fn union(self, other: Self) -> Self {
         Self {

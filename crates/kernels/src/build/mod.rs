@@ -87,16 +87,17 @@ pub(crate) fn build_binned(
 /// Builds a tree over triangles that cuts them where the boxes of two sides would overlap much.
 ///
 /// A triangle that was cut is in several leaves, whose boxes together hold all of it. There are at most `spare` times the
-/// number of triangles more references than triangles. Triangles whose corners make no box are left out.
+/// number of triangles more references than triangles. `aabb` gives their boxes; triangles with an empty or NaN box are left out.
 ///
 /// Source: Stich, Friedrich & Dietrich, "Spatial Splits in Bounding Volume Hierarchies", HPG 2009.
 pub(crate) fn build_spatial(
     count: usize,
+    aabb: impl Fn(usize) -> Aabb + Sync,
     triangle: impl Fn(usize) -> Triangle + Sync,
     spare: f32,
     leaves: &Leaves,
 ) -> BinaryTree {
-    let refs = references(count, |i| triangle(i).bounds());
+    let refs = references(count, aabb);
     let room = (refs.len() as f64 * f64::from(spare.max(0.0))) as usize;
     build(refs, room, leaves, Some(&|i| triangle(i as usize)))
 }

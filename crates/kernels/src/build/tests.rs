@@ -171,7 +171,13 @@ fn hall(n: usize) -> Vec<Triangle> {
 }
 
 fn build_through(triangles: &[Triangle], spare: f32) -> BinaryTree {
-    build_spatial(triangles.len(), |i| triangles[i], spare, &LEAVES)
+    build_spatial(
+        triangles.len(),
+        |i| triangles[i].bounds(),
+        |i| triangles[i],
+        spare,
+        &LEAVES,
+    )
 }
 
 /// Tells whether a walk into all boxes around a point comes upon an item.

@@ -28,7 +28,8 @@ impl<'a, S: Simd> Batch<'a, S> {
     /// `rays` are not empty.
     #[inline(always)]
     fn new(simd: S, mesh: &MeshBvh, rays: &'a [Ray], keep: Keep<'a>) -> Self {
-        let ready = Rays16::new(simd, rays, mesh.tree.bounds());
+        let bounds = mesh.tree.bounds();
+        let ready = Rays16::new(simd, rays, bounds, 0.0).leave_out_far(simd, bounds);
         Self {
             simd,
             rays,

@@ -29,7 +29,9 @@ pub(super) struct Scratch {
 pub(super) fn pierce_mesh<S: Simd>(simd: S, bvh: &MeshBvh, ray: &Ray, scratch: &mut Scratch) {
     let Scratch { stacks, found } = scratch;
     found.clear();
-    let ready = Rays16::new(simd, std::slice::from_ref(ray), bvh.tree.bounds());
+    let bounds = bvh.tree.bounds();
+    let ready = Rays16::new(simd, std::slice::from_ref(ray), bounds, 0.0);
+    let ready = ready.leave_out_far(simd, bounds);
     if ready.ways.sound == 0 {
         return;
     }

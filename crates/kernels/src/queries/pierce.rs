@@ -1,8 +1,7 @@
 //! A ray through triangles that share edges and corners: each sheet of a surface is pierced once.
 
 use super::Way;
-use crate::{Ray, Triangle};
-use glam::Vec3;
+use crate::{Ray, ShearedRay, Triangle};
 
 /// A triangle that a ray's line goes through.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,37 +15,12 @@ pub(super) struct Pierced {
     pub(super) way: Way,
 }
 
-/// The line of a ray, moved, permuted and sheared into the z axis by the operations of [`ShearedRay`](crate::ShearedRay), so
-/// that its leaf tests leave out no triangle that is pierced.
-pub(super) struct Needle {
-    origin: Vec3,
-    axes: [usize; 3],
-    slope: [f32; 2],
-    length: f64,
-}
+/// The line of a ray, sheared into the z axis by the operations of the leaf tests, which so leave out no triangle that is pierced.
+pub(super) struct Needle(ShearedRay);
 
 impl Needle {
     pub(super) fn new(ray: &Ray) -> Self {
-        let kz = ray.dir.abs().max_position();
-        let (mut kx, mut ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        let d = ray.dir;
-        if d[kz] < 0.0 {
-            (kx, ky) = (ky, kx);
-        }
-        Self {
-            origin: ray.origin,
-            axes: [kx, ky, kz],
-            slope: [d[kx] / d[kz], d[ky] / d[kz]],
-            length: f64::from(d[kz]),
-        }
-    }
-
-    fn shear(&self, corner: Vec3) -> [f64; 3] {
-        let p = corner - self.origin;
-        let [kx, ky, kz] = self.axes;
-        let z = p[kz];
-        let (x, y) = (p[kx] - self.slope[0] * z, p[ky] - self.slope[1] * z);
-        [x, y, z].map(f64::from)
+        Self(ShearedRay::new(ray))
     }
 
     /// Whether, where and which way the line goes through a triangle.
@@ -68,18 +42,20 @@ impl Needle {
     /// Techniques 2(1), 2013; Edelsbrunner & Mücke, "Simulation of Simplicity", ACM Transactions on
     /// Graphics 9(1), 1990.
     pub(super) fn pierce(&self, triangle: &Triangle) -> Option<Pierced> {
-        let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(|p| self.shear(p));
+        let [a, b, c] =
+            [triangle.a, triangle.b, triangle.c].map(|p| self.0.shear(p).as_dvec3().to_array());
+        let length = f64::from(self.0.length());
         let (u, v, w) = (edge(c, b), edge(a, c), edge(b, a));
         let sign = is_positive(c, b, u);
         if is_positive(a, c, v) != sign || is_positive(b, a, w) != sign {
             return None;
         }
         let det = u + v + w;
-        let t = (u * a[2] + v * b[2] + w * c[2]) / det / self.length;
+        let t = (u * a[2] + v * b[2] + w * c[2]) / det / length;
         let reach = a[2].abs().max(b[2].abs()).max(c[2].abs());
         (det != 0.0 && t.is_finite()).then(|| Pierced {
             t,
-            slack: 16.0 * f64::EPSILON * reach / self.length.abs(),
+            slack: 16.0 * f64::EPSILON * reach / length.abs(),
             weights: [v / det, w / det],
             way: if sign { Way::Enter } else { Way::Leave },
         })
@@ -104,6 +80,7 @@ fn is_positive(p: [f64; 3], q: [f64; 3], e: f64) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec3;
 
     /// A square of four triangles around its centre, which the ray goes through; turned to every corner.
     #[test]

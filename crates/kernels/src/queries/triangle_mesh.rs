@@ -32,7 +32,9 @@ impl TriangleMesh {
         };
         if !mesh.is_balanced() {
             let triangles = (0..mesh.indices.len()).map(|i| mesh.triangle(i));
-            mesh.winding = Some(WindingTree::new(triangles.filter(is_solid).collect()));
+            mesh.winding = Some(WindingTree::new(
+                triangles.filter(Triangle::is_solid).collect(),
+            ));
         }
         mesh
     }
@@ -80,7 +82,7 @@ impl TriangleMesh {
     fn is_balanced(&self) -> bool {
         let boundary = (0..self.indices.len()).into_par_iter().map(|i| {
             let triangle = self.triangle(i);
-            if !is_solid(&triangle) {
+            if !triangle.is_solid() {
                 return 0;
             }
             let [a, b, c] = [triangle.a, triangle.b, triangle.c].map(place);
@@ -90,12 +92,6 @@ impl TriangleMesh {
         });
         boundary.reduce(|| 0, u128::wrapping_add) == 0
     }
-}
-
-/// What [`MeshBvh`] does not leave out.
-fn is_solid(triangle: &Triangle) -> bool {
-    let finite = triangle.a.is_finite() && triangle.b.is_finite() && triangle.c.is_finite();
-    finite && triangle.normal() != Vec3::ZERO
 }
 
 /// The bits of a position, with one zero.

@@ -18,7 +18,9 @@ use fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
 /// between boxes.
 ///
 /// Components shorter than `2⁻⁴⁰` of the longest count as that long: over the length of the tree the ray moves by less than
-/// the pad. An axis whose constants overflow counts as always inside.
+/// the pad. A ray whose constants overflow, by the coordinates of the tree, meets all boxes.
+///
+/// This holds for hits at `t > 0` and for `max |dᵢ| ≤ 2¹²⁶`, whose reciprocals are not subnormal.
 ///
 /// Source: Woop, Benthin & Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, section 3.4 (the moved origins);
 /// Ize, "Robust BVH Ray Traversal", JCGT 2(2), 2013.

@@ -56,7 +56,7 @@ impl Vec3Lanes {
     }
 }
 
-/// The vector unit of this machine, found out once.
+/// A vector unit that this machine has: the best one, unless another is asked for.
 #[derive(Clone, Copy, Debug)]
 pub struct VectorUnit(Level);
 

@@ -2,7 +2,8 @@
 //!
 //! A twin is a plain loop over rays in structure-of-arrays blocks, without branches, compiled once for each
 //! instruction set and chosen at run time. It does the operations of its slide in the same order and
-//! contracts none, so the results are equal to the bit on every instruction set.
+//! contracts none, so the results are equal to the bit on every instruction set. Boxes alone are tested with contracted products,
+//! where the unit has them: which boxes are met may differ then, but no hit is lost or won by it.
 
 mod block;
 mod box_ray;

@@ -40,7 +40,8 @@ pub(crate) struct Ways {
     pub(super) longer_y: u32,
     /// Rays that are the longest along z.
     pub(super) longest_z: u32,
-    /// Finite rays with an interval that go somewhere; no other ray hits anything.
+    /// Finite rays with an interval that go somewhere, in the range of [`MeshBvh::closest_hits`](crate::MeshBvh::closest_hits);
+    /// no other ray hits anything.
     pub(crate) sound: u32,
     /// Rays whose constants for boxes do not overflow.
     pub(crate) in_range: u32,
@@ -101,9 +102,10 @@ fn riffle<S: Simd>([a, b, c, d, e, f, g, h]: [f32x8<S>; 8]) -> [f32x8<S>; 8] {
 }
 
 impl<S: Simd> Rays16<S> {
-    /// At most sixteen rays, and at least one, for a tree with these bounds.
+    /// At most sixteen rays, and at least one, for a tree with these bounds, taken to be wider on all sides by `stretch` times the
+    /// greatest distance of a ray's origin from them.
     #[inline(always)]
-    pub(crate) fn new(simd: S, rays: &[Ray], bounds: Aabb) -> Self {
+    pub(crate) fn new(simd: S, rays: &[Ray], bounds: Aabb, stretch: f32) -> Self {
         let [ox, oy, oz, dx, dy, dz, t_min, t_max] = transpose(simd, rays);
         let [zero, one, infinity] = [
             f32x16::splat(simd, 0.0),
@@ -124,13 +126,20 @@ impl<S: Simd> Rays16<S> {
             & ox.abs().simd_lt(infinity)
             & oy.abs().simd_lt(infinity)
             & oz.abs().simd_lt(infinity)
-            & scale.abs().simd_lt(infinity);
+            & ox.abs()
+                .max(oy.abs())
+                .max(oz.abs())
+                .max(one)
+                .simd_lt(longest * f32x16::splat(simd, 2.0_f32.powi(86)))
+            & longest.simd_le(f32x16::splat(simd, 2.0_f32.powi(126)));
 
         let reach = [
             reach(simd, ox, bounds.min.x, bounds.max.x),
             reach(simd, oy, bounds.min.y, bounds.max.y),
             reach(simd, oz, bounds.min.z, bounds.max.z),
         ];
+        let more = reach[0].max(reach[1]).max(reach[2]) * f32x16::splat(simd, stretch);
+        let reach = [reach[0] + more, reach[1] + more, reach[2] + more];
         let reach_z = longest_z.select(reach[2], longer_y.select(reach[1], reach[0]));
         let pad = reach_z * f32x16::splat(simd, 112.0 * U);
         let least = longest * f32x16::splat(simd, 2.0_f32.powi(-40));
@@ -164,6 +173,18 @@ impl<S: Simd> Rays16<S> {
             t_max,
             ways,
         }
+    }
+
+    /// Leaves out the rays from so far away that what is within `bounds` is smaller than the rounding of its distance.
+    #[inline(always)]
+    pub(crate) fn leave_out_far(mut self, simd: S, bounds: Aabb) -> Self {
+        let extent = (bounds.max - bounds.min).max_element();
+        let near = f32x16::splat(simd, extent * (1.0 / U));
+        let x = reach(simd, self.origin[0], bounds.min.x, bounds.max.x).simd_le(near);
+        let y = reach(simd, self.origin[1], bounds.min.y, bounds.max.y).simd_le(near);
+        let z = reach(simd, self.origin[2], bounds.min.z, bounds.max.z).simd_le(near);
+        self.ways.sound &= (x & y & z).to_bitmask() as u32;
+        self
     }
 
     /// The rays apart.

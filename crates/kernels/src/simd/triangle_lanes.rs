@@ -2,6 +2,7 @@
 
 use crate::TriangleHit;
 use crate::offset::gamma;
+use crate::triangle::CLOSE;
 use fearless_simd::{Simd, f32x16, prelude::*};
 
 /// The sheared corners of a triangle, as a ray sees them, in each lane.
@@ -136,13 +137,14 @@ impl<S: Simd> ShearedLanes<S> {
         let whole = backward.select(zero - furthest, nearest).simd_gt(zero);
         let inside = t.min.simd_lt(hit_t)
             & hit_t.simd_le(t.max)
-            & hit_t.simd_lt(f32x16::splat(simd, f32::INFINITY))
-            & (whole | ahead.simd_gt(least));
-        // f64 moves the sum by half of its bound at most.
-        let behind = ahead.simd_le(f32x16::splat(simd, 0.5) * least) & !whole;
-        let unsure = members & ((on_edge | !sound) & !behind).to_bitmask() as u32;
+            & hit_t.simd_lt(f32x16::splat(simd, f32::INFINITY));
+        let in_doubt = !(whole | ahead.simd_gt(least));
+        let close = least.simd_le(f32x16::splat(simd, CLOSE) * det.abs() * z);
+        let possible = whole | !ahead.simd_le(close.select(least, zero - least));
+        let unsure = possible & (on_edge | in_doubt | !sound);
+        let unsure = members & unsure.to_bitmask() as u32;
         LaneHits {
-            hit: members & !unsure & inside.to_bitmask() as u32,
+            hit: members & !unsure & (inside & possible).to_bitmask() as u32,
             unsure,
             t: hit_t,
             e,

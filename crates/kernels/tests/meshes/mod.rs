@@ -138,6 +138,22 @@ pub(crate) fn soup(random: &mut Random, n: usize, size: f64) -> Mesh {
     mesh
 }
 
+/// Whether a ray is in the range of [`umbriel_kernels::MeshBvh::closest_hits`]; outside of it a hit may be missed.
+pub(crate) fn is_in_range(ray: &Ray, triangles: &[Triangle]) -> bool {
+    let finite = |t: &&Triangle| [t.a, t.b, t.c].iter().all(|p| p.is_finite());
+    let all = triangles.iter().filter(finite).map(Triangle::bounds);
+    let Some(all) = all.reduce(|p, q| p.union(q)) else {
+        return true;
+    };
+    let [dir, origin] = [ray.dir, ray.origin].map(|v| v.abs().max_element());
+    let away = (ray.origin - all.min)
+        .abs()
+        .max((ray.origin - all.max).abs());
+    origin.max(1.0) < dir * 2.0_f32.powi(86)
+        && dir <= 2.0_f32.powi(126)
+        && away.max_element() <= (all.max - all.min).max_element() * 2.0_f32.powi(24)
+}
+
 /// The nearest hit by the slide; at equal `t` the lower number wins.
 pub(crate) fn brute(ray: &Ray, triangles: &[Triangle]) -> Option<MeshHit> {
     let mut best: Option<MeshHit> = None;

@@ -5,6 +5,7 @@ use umbriel_kernels::glam::DVec3;
 /// SplitMix64. Source: Steele, Lea & Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
 pub(crate) struct Random(pub(crate) u64);
 
+#[allow(dead_code, reason = "each test uses its part")]
 impl Random {
     pub(crate) fn bits(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -20,10 +21,6 @@ impl Random {
     }
 
     /// Uniform in exponent between two positive numbers.
-    #[allow(
-        dead_code,
-        reason = "not every test file that shares this module draws magnitudes"
-    )]
     pub(crate) fn magnitude(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
