@@ -1,8 +1,8 @@
 //! The queue of weighted rays: the loop that all ray methods share.
 
 use crate::{
-    CameraFrame, MaterialId, SceneBvh, Settings, ShadowRays, Unshadowed, direct::DirectLight,
-    hit_groups::HitGroups, shade_block::ShadeBlock,
+    CameraFrame, MaterialId, Method, SceneBvh, Settings, ShadowRays, Unshadowed,
+    direct::DirectLight, hit_groups::HitGroups, shade_block::ShadeBlock,
 };
 use umbriel_kernels::{
     Hit, LANES, Ray, Vec3Lanes, VectorUnit,
@@ -157,6 +157,8 @@ impl<'a> Tracer<'a> {
     /// go on from it. The hits of one instance are shaded together.
     fn shade(&mut self, radiance: &mut [Vec3]) {
         let instances = self.bvh.scene().instances.len();
+        // Where a sample may have many rays, its sum has an order that only a batch can keep.
+        let at_once = !self.settings.shadows && self.settings.method == Method::RayCast;
         self.groups.sort(&self.hits, instances);
         for (instance, members) in self.groups.iter() {
             for members in members.chunks(LANES) {
@@ -179,7 +181,12 @@ impl<'a> Tracer<'a> {
                         );
                         let (surfaces, seen) = (&block.surfaces, &block.seen);
                         let lights = &self.bvh.scene().lights;
-                        self.direct.add(lights, surfaces, seen);
+                        if at_once {
+                            let all = &mut Unshadowed;
+                            self.direct.add_now(lights, surfaces, seen, all, radiance);
+                        } else {
+                            self.direct.add(lights, surfaces, seen);
+                        }
                     },
                 );
             }
