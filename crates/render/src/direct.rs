@@ -241,9 +241,7 @@ impl DirectLight {
             self.shadow_rays += u64::from(questions);
             visibility.fractions(number, surfaces, &mut lit.fraction);
             lit.arrive(surfaces.len);
-            for (i, &sample) in seen.sample[..surfaces.len].iter().enumerate() {
-                radiance[sample as usize] += lit.radiance.get(i);
-            }
+            seen.add(&lit.radiance, surfaces.len, radiance);
         }
     }
 
