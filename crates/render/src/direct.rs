@@ -140,10 +140,10 @@ impl LitLanes {
         }
     }
 
-    /// How many of the first `len` lanes reflect enough of the light to ask for its visibility.
+    /// How many of the first `len` lanes reflect enough of the light to ask for its visibility. Those behind have no weight.
     #[inline(always)]
     fn questions(&self, len: usize) -> u32 {
-        let lanes = self.share[..len].iter();
+        let lanes = self.share[..whole_vectors(len)].iter();
         lanes.map(|&share| u32::from(share > LEAST_SHARE)).sum()
     }
 

@@ -5,41 +5,74 @@ use crate::{
     mesh_point::{corner_weights, flat_place, smooth_place},
     surface::{Place, side_of},
 };
-use std::ops::Range;
-use umbriel_kernels::{Hit, LANES, Lanes, Triangle, Vec3Lanes, glam::Vec3, whole_vectors};
+use umbriel_kernels::{Hit, LANES, Lanes, Triangle, glam::Vec3, whole_vectors};
 
-/// Neighbouring hits of one triangle get its corners this many lanes at a time: one store is as cheap as a single lane's.
+/// The corners of a triangle are written to this many lanes at once: one store is as cheap as a single lane's, and
+/// neighbouring hits are often of one triangle.
 const SPLAT: usize = 8;
 
-/// A vector of each corner of each lane's triangle, component by component, with room for the last [`SPLAT`].
-#[derive(Debug)]
-struct CornerLanes([[[f32; LANES + SPLAT]; 3]; 3]);
+/// One vector a lane, component by component, with room for the last [`SPLAT`].
+#[derive(Clone, Copy, Debug)]
+struct SplatLanes([[f32; LANES + SPLAT]; 3]);
 
-impl Default for CornerLanes {
+impl Default for SplatLanes {
     fn default() -> Self {
-        Self([[[0.0; LANES + SPLAT]; 3]; 3])
+        Self([[0.0; LANES + SPLAT]; 3])
     }
 }
 
-impl CornerLanes {
+impl SplatLanes {
     #[inline(always)]
-    fn get(&self, i: usize) -> [Vec3; 3] {
-        let corner = |k: usize| Vec3::new(self.0[k][0][i], self.0[k][1][i], self.0[k][2][i]);
-        [corner(0), corner(1), corner(2)]
+    fn get(&self, i: usize) -> Vec3 {
+        Vec3::new(self.0[0][i], self.0[1][i], self.0[2][i])
     }
 
-    /// Sets `lanes`, and up to [`SPLAT`] behind them.
     #[inline(always)]
-    fn splat(&mut self, lanes: &Range<usize>, values: [Vec3; 3]) {
-        for start in lanes.clone().step_by(SPLAT) {
-            for (corner, value) in self.0.iter_mut().zip(values) {
-                for (axis, value) in corner.iter_mut().zip(value.to_array()) {
-                    if let Some(lanes) = axis[start..].first_chunk_mut() {
-                        *lanes = [value; SPLAT];
-                    }
-                }
+    fn set(&mut self, i: usize, value: Vec3) {
+        (self.0[0][i], self.0[1][i], self.0[2][i]) = (value.x, value.y, value.z);
+    }
+
+    /// Sets [`SPLAT`] lanes from `start` on.
+    #[inline(always)]
+    fn splat(&mut self, start: usize, value: Vec3) {
+        for (lanes, value) in self.0.iter_mut().zip(value.to_array()) {
+            if let Some(lanes) = lanes[start..].first_chunk_mut() {
+                *lanes = [value; SPLAT];
             }
         }
+    }
+}
+
+/// A vector of each corner of each lane's triangle.
+type CornerLanes = [SplatLanes; 3];
+
+#[inline(always)]
+fn corners_of(lanes: &CornerLanes, i: usize) -> [Vec3; 3] {
+    [lanes[0].get(i), lanes[1].get(i), lanes[2].get(i)]
+}
+
+/// The lanes where another triangle begins than that of the lane before, or another [`SPLAT`] lanes.
+struct Starts {
+    lanes: [u8; LANES],
+    len: usize,
+}
+
+impl Starts {
+    /// Of at most [`LANES`] triangles. Free of branches, which would be guessed wrong at every other triangle.
+    #[inline(always)]
+    fn new(triangles: &[u32]) -> Self {
+        let (mut lanes, mut len) = ([0; LANES], 0);
+        for (i, triangle) in triangles.iter().enumerate() {
+            let is_start = (i % SPLAT == 0) | (*triangle != triangles[i.saturating_sub(1)]);
+            lanes[len] = i as u8;
+            len += usize::from(is_start);
+        }
+        Self { lanes, len }
+    }
+
+    #[inline(always)]
+    fn iter(&self) -> std::slice::Iter<'_, u8> {
+        self.lanes[..self.len].iter()
     }
 }
 
@@ -55,7 +88,7 @@ pub(crate) struct MeshLanes {
     /// Of the vertices, where the mesh has any.
     normals: CornerLanes,
     /// Of the triangles.
-    ng: Vec3Lanes,
+    ng: SplatLanes,
 }
 
 impl Default for MeshLanes {
@@ -66,7 +99,7 @@ impl Default for MeshLanes {
             v: [0.0; LANES],
             positions: CornerLanes::default(),
             normals: CornerLanes::default(),
-            ng: Vec3Lanes::default(),
+            ng: SplatLanes::default(),
         }
     }
 }
@@ -82,35 +115,53 @@ impl MeshLanes {
     /// Collects what the triangles of the first `len` lanes have at their corners.
     #[inline(always)]
     pub(crate) fn gather(&mut self, mesh: &Mesh, len: usize) {
-        let mut start = 0;
-        for run in self.triangles[..len.min(LANES)].chunk_by(|a, b| a == b) {
-            let corners = mesh.indices[run[0] as usize].map(|k| k as usize);
-            let lanes = start..start + run.len();
-            self.positions
-                .splat(&lanes, corners.map(|k| mesh.positions[k]));
-            if !mesh.normals.is_empty() {
-                self.normals.splat(&lanes, corners.map(|k| mesh.normals[k]));
+        let starts = Starts::new(&self.triangles[..len.min(LANES)]);
+        for &start in starts.iter() {
+            let start = usize::from(start);
+            let corners = mesh.indices[self.triangles[start] as usize].map(|k| k as usize);
+            for (lanes, corner) in self.positions.iter_mut().zip(corners) {
+                lanes.splat(start, mesh.positions[corner]);
             }
-            start = lanes.end;
+            if !mesh.normals.is_empty() {
+                for (lanes, corner) in self.normals.iter_mut().zip(corners) {
+                    lanes.splat(start, mesh.normals[corner]);
+                }
+            }
         }
-        // In f64, so in a loop of its own.
-        for i in 0..whole_vectors(len) {
-            let [a, b, c] = self.positions.get(i);
-            self.ng.set(i, Triangle { a, b, c }.unit_normal());
+        // A division in f64 takes as long for one number as for two.
+        if 4 * starts.len <= len {
+            for &start in starts.iter() {
+                let start = usize::from(start);
+                self.ng.splat(start, self.unit_normal(start));
+            }
+        } else {
+            for i in 0..whole_vectors(len) {
+                self.ng.set(i, self.unit_normal(i));
+            }
         }
+    }
+
+    #[inline(always)]
+    fn unit_normal(&self, i: usize) -> Vec3 {
+        let [a, b, c] = corners_of(&self.positions, i);
+        Triangle { a, b, c }.unit_normal()
     }
 
     /// The place of lane `i` on a mesh without normals.
     #[inline(always)]
     pub(crate) fn flat(&self, i: usize) -> Place {
-        flat_place(self.positions.get(i), self.weights(i), self.ng.get(i))
+        flat_place(
+            corners_of(&self.positions, i),
+            self.weights(i),
+            self.ng.get(i),
+        )
     }
 
     /// The place of lane `i` on a mesh with normals, seen from the direction `wo` in the mesh's space.
     #[inline(always)]
     pub(crate) fn smooth(&self, i: usize, wo: Vec3) -> Place {
         let (flat, side) = (self.flat(i), side_of(wo, self.ng.get(i)));
-        let (positions, normals) = (self.positions.get(i), self.normals.get(i));
+        let (positions, normals) = (corners_of(&self.positions, i), corners_of(&self.normals, i));
         smooth_place(flat, positions, normals, self.weights(i), side)
     }
 

@@ -70,12 +70,12 @@ impl ShadeBlock {
         instance: u32,
         members: &[NumberedHit],
     ) {
-        let hits = members
-            .iter()
-            .map(|(i, hit)| (queue.rays[*i as usize], *hit));
+        let members = &members[..members.len().min(LANES)];
+        let (rays, states) = (queue.rays.as_slice(), queue.states.as_slice());
+        let hits = members.iter().map(|(i, hit)| (rays[*i as usize], *hit));
         self.surfaces.fill(bvh, instance, hits);
-        for (lane, (i, hit)) in members.iter().enumerate().take(LANES) {
-            let state = &queue.states[*i as usize];
+        for (lane, (i, hit)) in members.iter().enumerate() {
+            let state = &states[*i as usize];
             let mut weight = state.weight;
             if let Some(medium) = state.medium {
                 weight *= bvh.scene().materials[medium.index()].absorption(hit.t);
