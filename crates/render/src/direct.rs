@@ -286,3 +286,6 @@ fn shadow_ray(surface: &SurfaceInteraction, to_light: Vec3, t_max: f32) -> Ray {
         },
     }
 }
+
+#[cfg(test)]
+mod tests;
