@@ -24,6 +24,17 @@ pub(crate) struct RayState {
     pub(crate) medium: Option<MaterialId>,
 }
 
+impl RayState {
+    /// That of an eye ray, but for the sample.
+    const EYE: Self = Self {
+        weight: Vec3::ONE,
+        sample: 0,
+        depth: 0,
+        passes: 0,
+        medium: None,
+    };
+}
+
 /// Weighted rays in the order in which they were found.
 #[derive(Debug, Default)]
 pub(crate) struct Queue {
@@ -47,16 +58,14 @@ impl Queue {
             origin.set(i, ray.origin);
             dir.set(i, ray.dir);
         }
-        for i in 0..places.len().min(LANES) {
-            let state = RayState {
-                weight: Vec3::ONE,
-                sample: self.rays.len() as u32,
-                depth: 0,
-                passes: 0,
-                medium: None,
-            };
-            self.push(Ray::new(origin.get(i), dir.get(i)), state);
+        let lanes = 0..places.len().min(LANES);
+        let first = self.states.len();
+        self.states.resize(first + lanes.len(), RayState::EYE);
+        for (number, state) in (first as u32..).zip(&mut self.states[first..]) {
+            state.sample = number;
         }
+        self.rays
+            .extend(lanes.map(|i| Ray::new(origin.get(i), dir.get(i))));
     }
 
     fn clear(&mut self) {
