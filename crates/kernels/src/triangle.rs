@@ -33,6 +33,7 @@ impl Triangle {
     /// Unit normal on the side from which the corners run counter-clockwise; +x for a triangle without area.
     ///
     /// Computed in f64, so that neither tiny triangles nor slivers lose it.
+    #[inline(always)]
     pub fn unit_normal(&self) -> Vec3 {
         self.area_vector().normalize_or(DVec3::X).as_vec3()
     }
@@ -43,6 +44,7 @@ impl Triangle {
         finite && self.normal() != Vec3::ZERO
     }
 
+    #[inline(always)]
     fn area_vector(&self) -> DVec3 {
         let a = self.a.as_dvec3();
         (self.b.as_dvec3() - a).cross(self.c.as_dvec3() - a)

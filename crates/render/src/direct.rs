@@ -17,6 +17,15 @@ pub trait Visibility {
     fn transmittance(&mut self, rays: &[Ray], lights: &[u32], fractions: &mut [Vec3]);
 }
 
+/// The same question for a block of surfaces at once, for answers that need no ray.
+///
+/// Its function is called within [`VectorUnit::run`](umbriel_kernels::VectorUnit::run), and is to be `#[inline(always)]`.
+pub(crate) trait VisibilityLanes {
+    /// The fraction of the light with this position in [`Scene::lights`](crate::Scene::lights) that arrives at each of
+    /// `surfaces`. Lanes that do not reflect the light, and those behind the last surface, may be given any number.
+    fn fractions(&mut self, light: usize, surfaces: &SurfaceLanes, fractions: &mut Lanes);
+}
+
 /// Light on its way to the film, should nothing stand between surface and light.
 #[derive(Clone, Copy, Debug)]
 struct Unshadowed {
@@ -31,6 +40,8 @@ struct LitLanes {
     /// Greatest share of the light in any colour.
     share: Lanes,
     radiance: Vec3Lanes,
+    /// Of the light, by which it arrives.
+    fraction: Lanes,
     origin: Vec3Lanes,
     dir: Vec3Lanes,
     t_max: Lanes,
@@ -41,6 +52,7 @@ impl Default for LitLanes {
         Self {
             share: [0.0; LANES],
             radiance: Vec3Lanes::default(),
+            fraction: [0.0; LANES],
             origin: Vec3Lanes::default(),
             dir: Vec3Lanes::default(),
             t_max: [0.0; LANES],
@@ -49,6 +61,73 @@ impl Default for LitLanes {
 }
 
 impl LitLanes {
+    /// What each surface reflects of one light. `keep` is called for each lane with what arrives there.
+    #[inline(always)]
+    fn reflect(
+        &mut self,
+        light: &Light,
+        surfaces: &SurfaceLanes,
+        weights: &Vec3Lanes,
+        keep: impl Fn(&mut Self, usize, &SurfaceInteraction, &LightSample),
+    ) {
+        match light {
+            // The common kinds have loops of their own.
+            Light::Point(light) => self.reflect_each(
+                surfaces,
+                weights,
+                #[inline(always)]
+                |p| light.sample(p),
+                keep,
+            ),
+            Light::Directional(_) => {
+                let everywhere = light.sample(Vec3::ZERO);
+                self.reflect_each(
+                    surfaces,
+                    weights,
+                    #[inline(always)]
+                    |_| everywhere,
+                    keep,
+                );
+            }
+            Light::Spot(_) => self.reflect_each(surfaces, weights, |p| light.sample(p), keep),
+        }
+    }
+
+    #[inline(always)]
+    fn reflect_each(
+        &mut self,
+        surfaces: &SurfaceLanes,
+        weights: &Vec3Lanes,
+        light: impl Fn(Vec3) -> Option<LightSample>,
+        keep: impl Fn(&mut Self, usize, &SurfaceInteraction, &LightSample),
+    ) {
+        for i in 0..whole_vectors(surfaces.len) {
+            let surface = surfaces.get(i);
+            let sample = light(surface.p);
+            let arriving = sample.unwrap_or(LightSample::DARK);
+            let reflected = surface.bsdf.eval(surface.ns, surface.wo, arriving.wi);
+            let share = weights.get(i) * reflected;
+            // Beneath a surface there is no light, but for the band that the terminator's lift opens.
+            let above = (arriving.wi.dot(surface.ng) > 0.0) | (surface.shadow_p != surface.p);
+            self.share[i] = if sample.is_some() & above {
+                share.max_element()
+            } else {
+                0.0
+            };
+            self.radiance.set(i, share * arriving.illuminance);
+            keep(self, i, &surface, &arriving);
+        }
+    }
+
+    /// Sets the ray of lane `i` towards the light.
+    #[inline(always)]
+    fn aim(&mut self, i: usize, surface: &SurfaceInteraction, arriving: &LightSample) {
+        let ray = shadow_ray(surface, arriving.to_light, arriving.t_max);
+        self.origin.set(i, ray.origin);
+        self.dir.set(i, ray.dir);
+        self.t_max[i] = ray.t.max;
+    }
+
     #[inline(always)]
     fn ray(&self, i: usize) -> Ray {
         Ray {
@@ -58,6 +137,24 @@ impl LitLanes {
                 min: 0.0,
                 max: self.t_max[i],
             },
+        }
+    }
+
+    /// How many of the first `len` lanes reflect enough of the light to ask for its visibility. Those behind have no weight.
+    #[inline(always)]
+    fn questions(&self, len: usize) -> u32 {
+        let lanes = self.share[..whole_vectors(len)].iter();
+        lanes.map(|&share| u32::from(share > LEAST_SHARE)).sum()
+    }
+
+    /// Leaves the fractions that arrive of the first `len` lanes' radiance, and nothing of what is too little to ask for.
+    #[inline(always)]
+    fn arrive(&mut self, len: usize) {
+        for i in 0..whole_vectors(len) {
+            let arriving = self.radiance.get(i) * self.fraction[i];
+            let is_lit = self.share[i] > LEAST_SHARE;
+            self.radiance
+                .set(i, if is_lit { arriving } else { Vec3::ZERO });
         }
     }
 }
@@ -87,24 +184,17 @@ impl DirectLight {
     /// [`DirectLight::resolve`] asks for the transmittance.
     #[inline(always)]
     pub(crate) fn add(&mut self, lights: &[Light], surfaces: &SurfaceLanes, seen: &SeenLanes) {
-        // A perfect mirror shows no lights without extent.
-        if let Some(bsdf) = surfaces.uniform
-            && bsdf.diffuse_color() == Vec3::ZERO
-            && bsdf.roughness == 0.0
-        {
+        if is_mirror(surfaces) {
             return;
         }
         for (number, light) in lights.iter().enumerate() {
-            match light {
-                // The common kind has a loop of its own.
-                Light::Point(light) => self.reflect(
-                    surfaces,
-                    &seen.weight,
-                    #[inline(always)]
-                    |p| light.sample(p),
-                ),
-                light => self.reflect(surfaces, &seen.weight, |p| light.sample(p)),
-            }
+            self.lit.reflect(
+                light,
+                surfaces,
+                &seen.weight,
+                #[inline(always)]
+                |lit, i, surface, arriving| lit.aim(i, surface, arriving),
+            );
             for i in 0..surfaces.len {
                 if self.lit.share[i] > LEAST_SHARE {
                     self.rays.push(self.lit.ray(i));
@@ -118,32 +208,40 @@ impl DirectLight {
         }
     }
 
-    /// What each surface reflects of one light, and the ray towards it.
+    /// Adds what surfaces reflect of each light to their samples' radiance at once: [`DirectLight::add`] and
+    /// [`DirectLight::resolve`] in one, where no ray need be sent.
+    ///
+    /// Gives the same sums to the bit where each sample has one ray in the queue, as it has without mirrored and refracted
+    /// rays; otherwise the order is another, that of the blocks.
     #[inline(always)]
-    fn reflect(
+    pub(crate) fn add_now(
         &mut self,
+        lights: &[Light],
         surfaces: &SurfaceLanes,
-        weights: &Vec3Lanes,
-        light: impl Fn(Vec3) -> Option<LightSample>,
+        seen: &SeenLanes,
+        visibility: &mut impl VisibilityLanes,
+        radiance: &mut [Vec3],
     ) {
-        for i in 0..whole_vectors(surfaces.len) {
-            let surface = surfaces.get(i);
-            let sample = light(surface.p);
-            let arriving = sample.unwrap_or(LightSample::DARK);
-            let reflected = surface.bsdf.eval(surface.ns, surface.wo, arriving.wi);
-            let share = weights.get(i) * reflected;
-            // Beneath a surface there is no light, but for the band that the terminator's lift opens.
-            let above = (arriving.wi.dot(surface.ng) > 0.0) | (surface.shadow_p != surface.p);
-            self.lit.share[i] = if sample.is_some() & above {
-                share.max_element()
-            } else {
-                0.0
-            };
-            self.lit.radiance.set(i, share * arriving.illuminance);
-            let ray = shadow_ray(&surface, arriving.to_light, arriving.t_max);
-            self.lit.origin.set(i, ray.origin);
-            self.lit.dir.set(i, ray.dir);
-            self.lit.t_max[i] = ray.t.max;
+        if is_mirror(surfaces) {
+            return;
+        }
+        let lit = &mut self.lit;
+        for (number, light) in lights.iter().enumerate() {
+            lit.reflect(
+                light,
+                surfaces,
+                &seen.weight,
+                #[inline(always)]
+                |_, _, _, _| {},
+            );
+            let questions = lit.questions(surfaces.len);
+            if questions == 0 {
+                continue;
+            }
+            self.shadow_rays += u64::from(questions);
+            visibility.fractions(number, surfaces, &mut lit.fraction);
+            lit.arrive(surfaces.len);
+            seen.add(&lit.radiance, surfaces.len, radiance);
         }
     }
 
@@ -160,6 +258,14 @@ impl DirectLight {
         self.lights.clear();
         self.unshadowed.clear();
     }
+}
+
+/// Whether all surfaces are perfect mirrors, which show no lights without extent.
+#[inline(always)]
+fn is_mirror(surfaces: &SurfaceLanes) -> bool {
+    surfaces
+        .uniform
+        .is_some_and(|bsdf| bsdf.diffuse_color() == Vec3::ZERO && bsdf.roughness == 0.0)
 }
 
 /// The ray from a surface to the end of `to_light`.
@@ -180,3 +286,6 @@ fn shadow_ray(surface: &SurfaceInteraction, to_light: Vec3, t_max: f32) -> Ray {
         },
     }
 }
+
+#[cfg(test)]
+mod tests;

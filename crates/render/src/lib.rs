@@ -42,6 +42,7 @@ mod image;
 mod light;
 mod material;
 mod mesh;
+mod mesh_lanes;
 mod mesh_point;
 mod ray_cast;
 mod render;

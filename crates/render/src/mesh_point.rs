@@ -2,7 +2,7 @@
 
 use crate::{
     Mesh,
-    surface::{ObjectPoint, side_of},
+    surface::{ObjectPoint, Place, side_of},
 };
 use umbriel_kernels::{
     Hit, Ray, gamma,
@@ -12,46 +12,90 @@ use umbriel_kernels::{
 /// The point of a mesh at the hit of an object-space ray. Tangents follow the texture coordinates `uv_set`.
 pub(crate) fn mesh_point(mesh: &Mesh, object_ray: &Ray, hit: &Hit, uv_set: u8) -> ObjectPoint {
     let corners = mesh.indices[hit.primitive as usize].map(|i| i as usize);
-    let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+    let weights = corner_weights(hit.u, hit.v);
     let triangle = mesh.triangle(hit.primitive as usize);
     let positions = [triangle.a, triangle.b, triangle.c];
-    let parts: [Vec3; 3] = std::array::from_fn(|k| weights[k] * positions[k]);
-    let p = parts[0] + parts[1] + parts[2];
     let ng = triangle.unit_normal();
-
-    let (mut ns, mut lift) = (ng, Vec3::ZERO);
+    let mut place = flat_place(positions, weights, ng);
     if !mesh.normals.is_empty() {
-        let normals = corners.map(|i| mesh.normals[i]);
-        ns = interpolate(&normals, weights).normalize_or(ng);
         // Seen from behind, the body is on the other side.
         let side = side_of(-object_ray.dir, ng);
-        lift = terminator_lift(p, positions, normals.map(|n| side * n), weights);
+        place = smooth_place(
+            place,
+            positions,
+            corners.map(|i| mesh.normals[i]),
+            weights,
+            side,
+        );
     }
-    let uvs = [0, 1].map(|set| match &mesh.uvs[set] {
-        uvs if uvs.is_empty() => Vec2::ZERO,
-        uvs => corners.iter().zip(weights).map(|(&i, w)| w * uvs[i]).sum(),
-    });
     ObjectPoint {
-        p,
-        // Three products, two sums and the rounding of the weights, whose sum is not quite 1.
-        error: (parts[0].abs() + parts[1].abs() + parts[2].abs()) * gamma(8)
-            + Vec3::splat(f32::MIN_POSITIVE),
-        lift,
-        ng,
-        ns,
+        place,
         tangent: mesh_tangent(mesh, uv_set, corners, weights),
-        uvs,
-        color: match &mesh.colors {
-            colors if colors.is_empty() => Vec4::ONE,
-            colors => corners
-                .iter()
-                .zip(weights)
-                .map(|(&i, w)| w * colors[i])
-                .sum(),
-        },
+        uvs: mesh_uvs(mesh, corners, weights),
+        color: mesh_color(mesh, corners, weights),
     }
 }
 
+/// The barycentric weights of a triangle's corners.
+#[inline(always)]
+pub(crate) fn corner_weights(u: f32, v: f32) -> [f32; 3] {
+    [1.0 - u - v, u, v]
+}
+
+/// A point of the flat triangle with unit normal `ng`.
+#[inline(always)]
+pub(crate) fn flat_place(positions: [Vec3; 3], weights: [f32; 3], ng: Vec3) -> Place {
+    let parts: [Vec3; 3] = std::array::from_fn(|k| weights[k] * positions[k]);
+    Place {
+        p: parts[0] + parts[1] + parts[2],
+        // Three products, two sums and the rounding of the weights, whose sum is not quite 1.
+        error: (parts[0].abs() + parts[1].abs() + parts[2].abs()) * gamma(8)
+            + Vec3::splat(f32::MIN_POSITIVE),
+        lift: Vec3::ZERO,
+        ng,
+        ns: ng,
+    }
+}
+
+/// A point of the flat triangle, made smooth by the normals of its corners. `side` is 1 in front, −1 behind.
+#[inline(always)]
+pub(crate) fn smooth_place(
+    flat: Place,
+    positions: [Vec3; 3],
+    normals: [Vec3; 3],
+    weights: [f32; 3],
+    side: f32,
+) -> Place {
+    Place {
+        lift: terminator_lift(flat.p, positions, normals.map(|n| side * n), weights),
+        ns: interpolate(&normals, weights).normalize_or(flat.ng),
+        ..flat
+    }
+}
+
+/// Both sets of texture coordinates; 0 where the mesh has none.
+#[inline(always)]
+pub(crate) fn mesh_uvs(mesh: &Mesh, corners: [usize; 3], weights: [f32; 3]) -> [Vec2; 2] {
+    [0, 1].map(|set| match &mesh.uvs[set] {
+        uvs if uvs.is_empty() => Vec2::ZERO,
+        uvs => corners.iter().zip(weights).map(|(&i, w)| w * uvs[i]).sum(),
+    })
+}
+
+/// The vertices' colour; white where the mesh has none.
+#[inline(always)]
+pub(crate) fn mesh_color(mesh: &Mesh, corners: [usize; 3], weights: [f32; 3]) -> Vec4 {
+    match &mesh.colors {
+        colors if colors.is_empty() => Vec4::ONE,
+        colors => corners
+            .iter()
+            .zip(weights)
+            .map(|(&i, w)| w * colors[i])
+            .sum(),
+    }
+}
+
+#[inline(always)]
 fn interpolate(values: &[Vec3; 3], weights: [f32; 3]) -> Vec3 {
     values[0] * weights[0] + values[1] * weights[1] + values[2] * weights[2]
 }
@@ -62,6 +106,7 @@ fn interpolate(values: &[Vec3; 3], weights: [f32; 3]) -> Vec3 {
 /// faces of a smooth mesh shadow each other in bands where light grazes.
 ///
 /// Source: Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, chapter 4, 2021.
+#[inline(always)]
 fn terminator_lift(p: Vec3, positions: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) -> Vec3 {
     let lifts = std::array::from_fn(|k| {
         let below = (p - positions[k]).dot(normals[k]).min(0.0);

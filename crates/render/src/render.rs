@@ -121,9 +121,7 @@ fn render_band(tracer: &mut Tracer, job: &Job, top: u32, band: &mut [[f32; 4]]) 
             y1: (top + TILE[1]).min(y1),
         };
         let colors = render_tile(tracer, &job.frame, job.settings, tile);
-        for ((x, y), color) in tile.pixels().zip(colors) {
-            band[((y - top) * width + x) as usize] = color.extend(1.0).to_array();
-        }
+        write_tile(&colors, tile, band.chunks_mut(width as usize));
         let new = tile.len() as u64;
         pixels += new;
         let finished = job.done.fetch_add(new, Ordering::Relaxed) + new;
@@ -135,6 +133,16 @@ fn render_band(tracer: &mut Tracer, job: &Job, top: u32, band: &mut [[f32; 4]]) 
         shadow_rays: after.shadow_rays - before.shadow_rays,
         bad_samples: after.bad_samples - before.bad_samples,
         pixels,
+    }
+}
+
+/// Writes the opaque colours of a tile into the rows of its band.
+fn write_tile<'a>(colors: &[Vec3], tile: Tile, rows: impl Iterator<Item = &'a mut [[f32; 4]]>) {
+    let columns = tile.x0 as usize..tile.x1 as usize;
+    for (row, colors) in rows.zip(colors.chunks(columns.len())) {
+        for (pixel, color) in row[columns.clone()].iter_mut().zip(colors) {
+            *pixel = color.extend(1.0).to_array();
+        }
     }
 }
 

@@ -16,6 +16,12 @@ pub fn sample_pixel(x: u32, y: u32, sample: u32, count: u32, seed: u64) -> Vec2 
     if count == 1 {
         return Vec2::splat(0.5);
     }
+    moved_hammersley(x, y, sample, count, seed)
+}
+
+/// [`sample_pixel`] for more than one sample; apart, so that the single one is not made to wait for the random vector.
+#[inline(never)]
+fn moved_hammersley(x: u32, y: u32, sample: u32, count: u32, seed: u64) -> Vec2 {
     let random = hash(seed ^ hash(u64::from(x) << 32 | u64::from(y)));
     let u = (u64::from(sample) << 32 | 1 << 31) / u64::from(count);
     let wrapped = (u as u32).wrapping_add(random as u32);

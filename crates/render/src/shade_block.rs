@@ -20,6 +20,16 @@ pub(crate) struct SeenLanes {
     pub(crate) sample: [u32; LANES],
 }
 
+impl SeenLanes {
+    /// Adds the first `len` lanes to their samples, which need not differ.
+    #[inline(always)]
+    pub(crate) fn add(&self, lanes: &Vec3Lanes, len: usize, radiance: &mut [Vec3]) {
+        for (i, &sample) in self.sample[..len.min(LANES)].iter().enumerate() {
+            radiance[sample as usize] += lanes.get(i);
+        }
+    }
+}
+
 /// The buffers of a block; its functions are to be called one after the other, in their order, within
 /// [`VectorUnit::run`](umbriel_kernels::VectorUnit::run).
 #[derive(Debug)]
@@ -27,6 +37,8 @@ pub(crate) struct ShadeBlock {
     pub(crate) surfaces: SurfaceLanes,
     pub(crate) seen: SeenLanes,
     ambient: Vec3Lanes,
+    /// What the surfaces send out without direct light.
+    own: Vec3Lanes,
     mirrored: OnwardLanes,
     refracted: OnwardLanes,
 }
@@ -40,6 +52,7 @@ impl Default for ShadeBlock {
                 sample: [0; LANES],
             },
             ambient: Vec3Lanes::default(),
+            own: Vec3Lanes::default(),
             mirrored: OnwardLanes::default(),
             refracted: OnwardLanes::default(),
         }
@@ -57,12 +70,12 @@ impl ShadeBlock {
         instance: u32,
         members: &[NumberedHit],
     ) {
-        let hits = members
-            .iter()
-            .map(|(i, hit)| (queue.rays[*i as usize], *hit));
+        let members = &members[..members.len().min(LANES)];
+        let (rays, states) = (queue.rays.as_slice(), queue.states.as_slice());
+        let hits = members.iter().map(|(i, hit)| (rays[*i as usize], *hit));
         self.surfaces.fill(bvh, instance, hits);
-        for (lane, (i, hit)) in members.iter().enumerate().take(LANES) {
-            let state = &queue.states[*i as usize];
+        for (lane, (i, hit)) in members.iter().enumerate() {
+            let state = &states[*i as usize];
             let mut weight = state.weight;
             if let Some(medium) = state.medium {
                 weight *= bvh.scene().materials[medium.index()].absorption(hit.t);
@@ -122,15 +135,16 @@ impl ShadeBlock {
         if !shines {
             return true;
         }
-        for lane in 0..self.surfaces.len {
+        for lane in 0..whole_vectors(self.surfaces.len) {
             let bsdf = self.surfaces.get(lane).bsdf;
             let own = if unlit {
                 bsdf.base_color
             } else {
                 bsdf.emission + self.ambient.get(lane)
             };
-            radiance[self.seen.sample[lane] as usize] += self.seen.weight.get(lane) * own;
+            self.own.set(lane, self.seen.weight.get(lane) * own);
         }
+        self.seen.add(&self.own, self.surfaces.len, radiance);
         !unlit
     }
 

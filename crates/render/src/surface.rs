@@ -31,14 +31,33 @@ pub struct SurfaceInteraction {
     pub bsdf: Bsdf,
 }
 
-/// Attributes of a point in the instance's own space.
-pub(crate) struct ObjectPoint {
+/// Where a point is and how the surface lies there; normals point out of the body, or out of the front.
+#[derive(Clone, Copy)]
+pub(crate) struct Place {
     pub(crate) p: Vec3,
     pub(crate) error: Vec3,
     /// Added to `p` for shadow rays.
     pub(crate) lift: Vec3,
     pub(crate) ng: Vec3,
     pub(crate) ns: Vec3,
+}
+
+impl Place {
+    /// A point of an analytic surface.
+    fn on_surface(p: Vec3, n: Vec3) -> Self {
+        Self {
+            p,
+            error: surface_error(p),
+            lift: Vec3::ZERO,
+            ng: n,
+            ns: n,
+        }
+    }
+}
+
+/// Attributes of a point in the instance's own space.
+pub(crate) struct ObjectPoint {
+    pub(crate) place: Place,
     /// Along growing u, with the bitangent's sign.
     pub(crate) tangent: Vec4,
     pub(crate) uvs: [Vec2; 2],
@@ -54,29 +73,37 @@ pub fn surface_interaction(bvh: &SceneBvh, ray: &Ray, hit: &Hit) -> SurfaceInter
     let object_ray = to_object.map_or(*ray, |m| ray.transformed(m));
     let mut point = object_point(scene, instance, &object_ray, hit);
     if let Some(to_object) = to_object {
-        to_world(&mut point, &instance.transform, to_object);
+        let to_world = ToWorld::new(&instance.transform, to_object);
+        point.place = to_world.place(point.place);
+        point.tangent = to_world.tangent(point.tangent);
     }
     if let Some(texture) = &material.normal_texture {
-        point.ns = bend_normal(scene, material, texture, &point);
-    }
-    if instance.inside_out {
-        point.ng = -point.ng;
-        point.ns = -point.ns;
+        point.place.ns = bend_normal(scene, material, texture, &point);
     }
     let wo = -ray.dir;
-    let side = side_of(wo, point.ng);
+    let (place, side) = face_viewer(point.place, instance.inside_out, wo);
     let front = side > 0.0;
-    let (ng, ns) = (side * point.ng, side * point.ns);
     SurfaceInteraction {
-        p: point.p,
-        error: point.error,
-        shadow_p: point.p + point.lift,
-        ng,
-        ns: towards_viewer(ns, ng, wo),
+        p: place.p,
+        error: place.error,
+        shadow_p: place.p + place.lift,
+        ng: place.ng,
+        ns: place.ns,
         wo,
         front,
         bsdf: material_at(scene, material, &point.uvs, point.color, front),
     }
+}
+
+/// Turns the normals to the side of `wo`; 1 if that is the outside or the front, −1 if not.
+#[inline(always)]
+pub(crate) fn face_viewer(place: Place, inside_out: bool, wo: Vec3) -> (Place, f32) {
+    let outwards = if inside_out { -1.0 } else { 1.0 };
+    let (ng, ns) = (outwards * place.ng, outwards * place.ns);
+    let side = side_of(wo, ng);
+    let (ng, ns) = (side * ng, side * ns);
+    let ns = towards_viewer(ns, ng, wo);
+    (Place { ng, ns, ..place }, side)
 }
 
 /// The shading normal, or where it points away from the viewer, as it may near silhouettes of smooth meshes, the nearest
@@ -114,11 +141,7 @@ fn object_point(scene: &Scene, instance: &Instance, object_ray: &Ray, hit: &Hit)
         Geometry::Surface(id) if !scene.materials[instance.material.index()].is_textured() => {
             let (p, n) = scene.surfaces[id.index()].normal_at(hit.primitive, object_ray.at(hit.t));
             ObjectPoint {
-                p,
-                error: surface_error(p),
-                lift: Vec3::ZERO,
-                ng: n,
-                ns: n,
+                place: Place::on_surface(p, n),
                 tangent: Vec4::ZERO,
                 uvs: [Vec2::ZERO; 2],
                 color: Vec4::ONE,
@@ -127,11 +150,7 @@ fn object_point(scene: &Scene, instance: &Instance, object_ray: &Ray, hit: &Hit)
         Geometry::Surface(id) => {
             let at = scene.surfaces[id.index()].point_at(hit.primitive, object_ray.at(hit.t));
             ObjectPoint {
-                p: at.p,
-                error: surface_error(at.p),
-                lift: Vec3::ZERO,
-                ng: at.n,
-                ns: at.n,
+                place: Place::on_surface(at.p, at.n),
                 tangent: at.tangent.extend(1.0),
                 uvs: [image_uv(at.uv); 2],
                 color: Vec4::ONE,
@@ -152,24 +171,63 @@ pub(crate) fn surface_error(p: Vec3) -> Vec3 {
     p.abs() * gamma(4) + Vec3::splat(f32::MIN_POSITIVE)
 }
 
-/// Moves a point to world space and adds what the rounding of the transform, and of the way back that
-/// rays take, can move it.
-fn to_world(point: &mut ObjectPoint, transform: &Affine3A, to_object: &Affine3A) {
-    let m = Mat3::from(transform.matrix3);
-    let inverse = Mat3::from(to_object.matrix3);
-    let absolute = |m: &Mat3| Mat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
-    let reach = absolute(&m) * point.p.abs() + Vec3::from(transform.translation).abs();
-    let p = transform.transform_point3(point.p);
-    let way_back = absolute(&inverse) * p.abs() + Vec3::from(to_object.translation).abs();
-    point.error = absolute(&m) * (point.error + gamma(8) * way_back) + gamma(8) * reach;
-    point.p = p;
-    point.lift = m * point.lift;
-    // Normals transform by the inverse transpose, which keeps the outside outside under mirroring, too.
-    let normals = inverse.transpose();
-    point.ng = (normals * point.ng).normalize();
-    point.ns = (normals * point.ns).normalize_or(point.ng);
-    point.tangent =
-        (m * point.tangent.truncate()).extend(point.tangent.w * m.determinant().signum());
+/// From the space of an instance to the world's.
+pub(crate) struct ToWorld {
+    matrix: Mat3,
+    translation: Vec3,
+    absolute: Mat3,
+    inverse: Mat3,
+    absolute_inverse: Mat3,
+    /// Of the way back.
+    absolute_translation: Vec3,
+    /// Normals transform by the inverse transpose, which keeps the outside outside under mirroring, too.
+    normals: Mat3,
+}
+
+impl ToWorld {
+    /// `to_object` is the inverse of `transform`.
+    pub(crate) fn new(transform: &Affine3A, to_object: &Affine3A) -> Self {
+        let matrix = Mat3::from(transform.matrix3);
+        let inverse = Mat3::from(to_object.matrix3);
+        let absolute = |m: &Mat3| Mat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
+        Self {
+            matrix,
+            translation: transform.translation.into(),
+            absolute: absolute(&matrix),
+            inverse,
+            absolute_inverse: absolute(&inverse),
+            absolute_translation: Vec3::from(to_object.translation).abs(),
+            normals: inverse.transpose(),
+        }
+    }
+
+    /// Moves a point, and adds to its error what the rounding of the transform, and of the way back that rays take, can
+    /// move it.
+    #[inline(always)]
+    pub(crate) fn place(&self, of: Place) -> Place {
+        let reach = self.absolute * of.p.abs() + self.translation.abs();
+        let p = self.matrix * of.p + self.translation;
+        let way_back = self.absolute_inverse * p.abs() + self.absolute_translation;
+        let ng = (self.normals * of.ng).normalize();
+        Place {
+            p,
+            error: self.absolute * (of.error + gamma(8) * way_back) + gamma(8) * reach,
+            lift: self.matrix * of.lift,
+            ng,
+            ns: (self.normals * of.ns).normalize_or(ng),
+        }
+    }
+
+    /// The direction in the instance's space; not of unit length.
+    #[inline(always)]
+    pub(crate) fn way_back(&self, dir: Vec3) -> Vec3 {
+        self.inverse * dir
+    }
+
+    /// A direction on the surface with the sign of its bitangent.
+    fn tangent(&self, tangent: Vec4) -> Vec4 {
+        (self.matrix * tangent.truncate()).extend(tangent.w * self.matrix.determinant().signum())
+    }
 }
 
 /// The normal of a tangent-space normal map; the smooth normal where the tangent vanishes.
@@ -181,7 +239,7 @@ fn bend_normal(
     texture: &TextureRef,
     point: &ObjectPoint,
 ) -> Vec3 {
-    let n = point.ns;
+    let n = point.place.ns;
     let Some(tangent) =
         (point.tangent.truncate() - n * n.dot(point.tangent.truncate())).try_normalize()
     else {

@@ -1,8 +1,13 @@
 //! The surfaces at many hits of one instance, in lanes.
 
 use crate::{
-    Bsdf, Geometry, InstanceId, Material, MaterialId, Scene, SceneBvh, SurfaceInteraction,
-    surface::{image_uv, material_at, side_of, surface_error, surface_interaction},
+    Bsdf, Geometry, InstanceId, Material, MaterialId, Mesh, Scene, SceneBvh, SurfaceInteraction,
+    mesh_lanes::MeshLanes,
+    mesh_point::{mesh_color, mesh_uvs},
+    surface::{
+        Place, ToWorld, face_viewer, image_uv, material_at, side_of, surface_error,
+        surface_interaction,
+    },
 };
 use umbriel_kernels::{
     Hit, LANES, Lanes, PointLanes, Ray, Surface, Vec3Lanes,
@@ -17,6 +22,7 @@ use umbriel_kernels::{
 pub(crate) struct SurfaceLanes {
     /// Number of lanes in use, at most [`LANES`].
     pub(crate) len: usize,
+    mesh: MeshLanes,
     points: PointLanes,
     error: Vec3Lanes,
     shadow_p: Vec3Lanes,
@@ -43,6 +49,7 @@ impl Default for SurfaceLanes {
     fn default() -> Self {
         Self {
             len: 0,
+            mesh: MeshLanes::default(),
             points: PointLanes::default(),
             error: Vec3Lanes::default(),
             shadow_p: Vec3Lanes::default(),
@@ -88,7 +95,35 @@ impl SurfaceLanes {
                 let surface = &scene.surfaces[id.index()];
                 self.settle(surface, hits, material.is_textured());
                 self.orient(placed.inside_out);
-                self.look_up(scene, material);
+                let uniform = !material.is_textured();
+                self.look_up(
+                    scene,
+                    material,
+                    uniform,
+                    #[inline(always)]
+                    |lanes, i| {
+                        let uv = image_uv(Vec2::new(lanes.points.u[i], lanes.points.v[i]));
+                        ([uv; 2], Vec4::ONE)
+                    },
+                );
+            }
+            Geometry::Mesh(id) if material.normal_texture.is_none() => {
+                let mesh = &scene.meshes[id.index()];
+                let to_object = bvh.to_object(InstanceId(instance));
+                let to_world = to_object.map(|back| ToWorld::new(&placed.transform, back));
+                self.settle_mesh(mesh, to_world.as_ref(), placed.inside_out, hits);
+                let uniform = mesh.colors.is_empty() && !material.is_textured();
+                self.look_up(
+                    scene,
+                    material,
+                    uniform,
+                    #[inline(always)]
+                    |lanes, i| {
+                        let (corners, weights) = lanes.mesh.corners(mesh, i);
+                        let uvs = mesh_uvs(mesh, corners, weights);
+                        (uvs, mesh_color(mesh, corners, weights))
+                    },
+                );
             }
             _ => {
                 self.uniform = None;
@@ -204,6 +239,59 @@ impl SurfaceLanes {
         self.points.settle(self.len, surface, with_uv);
     }
 
+    /// Positions and normals on a mesh.
+    #[inline(always)]
+    fn settle_mesh(
+        &mut self,
+        mesh: &Mesh,
+        to_world: Option<&ToWorld>,
+        inside_out: bool,
+        hits: impl Iterator<Item = (Ray, Hit)>,
+    ) {
+        for (i, (ray, hit)) in hits.enumerate().take(LANES) {
+            self.mesh.set(i, &hit);
+            self.wo.set(i, -ray.dir);
+        }
+        self.mesh.gather(mesh, self.len);
+        match (mesh.normals.is_empty(), to_world) {
+            (true, None) => self.set_places(
+                inside_out,
+                #[inline(always)]
+                |mesh, i, _| mesh.flat(i),
+            ),
+            (true, Some(to_world)) => self.set_places(
+                inside_out,
+                #[inline(always)]
+                |mesh, i, _| to_world.place(mesh.flat(i)),
+            ),
+            (false, None) => self.set_places(
+                inside_out,
+                #[inline(always)]
+                |mesh, i, wo| mesh.smooth(i, wo),
+            ),
+            (false, Some(to_world)) => self.set_places(
+                inside_out,
+                #[inline(always)]
+                |mesh, i, wo| to_world.place(mesh.smooth(i, to_world.way_back(wo))),
+            ),
+        }
+    }
+
+    /// Takes the places on the mesh down, with normals on the side that is seen.
+    #[inline(always)]
+    fn set_places(&mut self, inside_out: bool, place: impl Fn(&MeshLanes, usize, Vec3) -> Place) {
+        for i in 0..whole_vectors(self.len) {
+            let wo = self.wo.get(i);
+            let (place, side) = face_viewer(place(&self.mesh, i, wo), inside_out, wo);
+            self.side[i] = side;
+            self.points.p.set(i, place.p);
+            self.error.set(i, place.error);
+            self.shadow_p.set(i, place.p + place.lift);
+            self.ng.set(i, place.ng);
+            self.ns.set(i, place.ns);
+        }
+    }
+
     /// Turns the normals to the side that is seen.
     #[inline(always)]
     fn orient(&mut self, inside_out: bool) {
@@ -219,19 +307,26 @@ impl SurfaceLanes {
         }
     }
 
-    /// The material: once where it is the same everywhere, lane by lane where it has textures.
+    /// The material: once where it is the same everywhere, lane by lane where textures or colours change it.
     #[inline(always)]
-    fn look_up(&mut self, scene: &Scene, material: &Material) {
-        let at = |uv: Vec2, front: bool| material_at(scene, material, &[uv; 2], Vec4::ONE, front);
-        if material.is_textured() {
+    fn look_up(
+        &mut self,
+        scene: &Scene,
+        material: &Material,
+        is_uniform: bool,
+        texture_point: impl Fn(&Self, usize) -> ([Vec2; 2], Vec4),
+    ) {
+        let at = |(uvs, color), front| material_at(scene, material, &uvs, color, front);
+        if !is_uniform {
             self.uniform = None;
             for i in 0..self.len.min(LANES) {
-                let uv = image_uv(Vec2::new(self.points.u[i], self.points.v[i]));
-                self.set_bsdf(i, &at(uv, self.side[i] > 0.0));
+                let bsdf = at(texture_point(self, i), self.side[i] > 0.0);
+                self.set_bsdf(i, &bsdf);
             }
             return;
         }
-        let (front, back) = (at(Vec2::ZERO, true), at(Vec2::ZERO, false));
+        let anywhere = ([Vec2::ZERO; 2], Vec4::ONE);
+        let (front, back) = (at(anywhere, true), at(anywhere, false));
         self.set_all(&front);
         for i in 0..LANES {
             self.eta[i] = if self.side[i] > 0.0 {
@@ -274,113 +369,4 @@ pub(crate) fn for_lanes(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::{Checker, Instance, SurfaceId, Texture, TextureId, TextureRef};
-    use umbriel_kernels::{
-        Plane, Rectangle, Sphere, Torus, VectorUnit,
-        glam::{Affine2, Affine3A},
-    };
-
-    /// Each surface with a plain and a textured material, turned inside out and moved, too.
-    fn scene() -> Scene {
-        let v = Vec3::new;
-        let mut scene = Scene {
-            surfaces: vec![
-                Surface::Sphere(Sphere {
-                    center: v(0.5, 0.2, -0.1),
-                    radius: 0.7,
-                }),
-                Surface::Plane(Plane {
-                    point: v(0.0, -1.0, 0.3),
-                    normal: v(0.1, 2.0, 0.2),
-                }),
-                Surface::Rectangle(Rectangle {
-                    center: v(0.0, 0.5, 1.0),
-                    u: v(1.0, 0.0, 0.0),
-                    v: v(0.0, 0.6, 0.8),
-                }),
-                Surface::Torus(Torus {
-                    center: v(0.0, 0.0, 2.0),
-                    axis: v(0.0, 1.0, 1.0),
-                    major_radius: 1.0,
-                    minor_radius: 0.3,
-                }),
-            ],
-            textures: vec![Texture::Checker(Checker {
-                even: v(0.2, 0.3, 0.4).extend(1.0),
-                odd: v(0.9, 0.8, 0.7).extend(0.5),
-            })],
-            materials: vec![
-                Material {
-                    transmission: 0.75,
-                    ..Material::default()
-                },
-                Material {
-                    base_color_texture: Some(TextureRef {
-                        texture: TextureId(0),
-                        uv_set: 0,
-                        transform: Affine2::from_scale(Vec2::splat(8.0)),
-                    }),
-                    ..Material::default()
-                },
-            ],
-            ..Scene::default()
-        };
-        for i in 0..32 {
-            let moved = Affine3A::from_translation(v(0.25, 0.0, 0.1));
-            scene.instances.push(Instance {
-                name: String::new(),
-                geometry: Geometry::Surface(SurfaceId(i / 8)),
-                transform: [Affine3A::IDENTITY, moved][i as usize & 1],
-                material: MaterialId(i >> 1 & 1),
-                inside_out: i & 4 != 0,
-            });
-        }
-        scene
-    }
-
-    /// A hit of every instance by a ray towards it, and one by the same ray from the other side.
-    fn hits(bvh: &SceneBvh, instance: u32) -> Vec<(Ray, Hit)> {
-        (0..50)
-            .flat_map(|k| {
-                let along = Vec3::new(0.3, 1.0, 0.2 + 0.01 * k as f32).normalize();
-                [along, -along].map(|dir| Ray::new(Vec3::new(0.2, 0.1, 0.9) - dir * 9.0, dir))
-            })
-            .filter_map(|ray| {
-                let mut alone = bvh.scene().clone();
-                alone.instances = vec![alone.instances[instance as usize].clone()];
-                let mut hit = [None];
-                SceneBvh::build(&alone).intersect(&[ray], &mut hit);
-                hit[0].map(|hit| (ray, Hit { instance, ..hit }))
-            })
-            .take(LANES)
-            .collect()
-    }
-
-    #[test]
-    fn lanes_equal_single_interactions_to_the_bit() {
-        let scene = scene();
-        let bvh = SceneBvh::build(&scene);
-        let mut lanes = SurfaceLanes::default();
-        let mut compared = 0;
-        for unit in VectorUnit::available() {
-            for instance in 0..scene.instances.len() as u32 {
-                let hits = hits(&bvh, instance);
-                unit.run(
-                    #[inline(always)]
-                    || lanes.fill(&bvh, instance, hits.iter().copied()),
-                );
-                for (i, (ray, hit)) in hits.iter().enumerate() {
-                    assert_eq!(
-                        lanes.get(i),
-                        surface_interaction(&bvh, ray, hit),
-                        "{unit:?}"
-                    );
-                    compared += 1;
-                }
-            }
-        }
-        assert!(compared > 1000, "{compared}");
-    }
-}
+mod tests;

@@ -1,8 +1,8 @@
 //! The queue of weighted rays: the loop that all ray methods share.
 
 use crate::{
-    CameraFrame, MaterialId, SceneBvh, Settings, ShadowRays, Unshadowed, direct::DirectLight,
-    hit_groups::HitGroups, shade_block::ShadeBlock,
+    CameraFrame, MaterialId, Method, SceneBvh, Settings, ShadowRays, Unshadowed,
+    direct::DirectLight, hit_groups::HitGroups, shade_block::ShadeBlock,
 };
 use umbriel_kernels::{
     Hit, LANES, Ray, Vec3Lanes, VectorUnit,
@@ -22,6 +22,17 @@ pub(crate) struct RayState {
     pub(crate) passes: u16,
     /// What it travels in; `None` is air.
     pub(crate) medium: Option<MaterialId>,
+}
+
+impl RayState {
+    /// That of an eye ray, but for the sample.
+    const EYE: Self = Self {
+        weight: Vec3::ONE,
+        sample: 0,
+        depth: 0,
+        passes: 0,
+        medium: None,
+    };
 }
 
 /// Weighted rays in the order in which they were found.
@@ -47,16 +58,14 @@ impl Queue {
             origin.set(i, ray.origin);
             dir.set(i, ray.dir);
         }
-        for i in 0..places.len().min(LANES) {
-            let state = RayState {
-                weight: Vec3::ONE,
-                sample: self.rays.len() as u32,
-                depth: 0,
-                passes: 0,
-                medium: None,
-            };
-            self.push(Ray::new(origin.get(i), dir.get(i)), state);
+        let lanes = 0..places.len().min(LANES);
+        let first = self.states.len();
+        self.states.resize(first + lanes.len(), RayState::EYE);
+        for (number, state) in (first as u32..).zip(&mut self.states[first..]) {
+            state.sample = number;
         }
+        self.rays
+            .extend(lanes.map(|i| Ray::new(origin.get(i), dir.get(i))));
     }
 
     fn clear(&mut self) {
@@ -157,6 +166,8 @@ impl<'a> Tracer<'a> {
     /// go on from it. The hits of one instance are shaded together.
     fn shade(&mut self, radiance: &mut [Vec3]) {
         let instances = self.bvh.scene().instances.len();
+        // Where a sample may have many rays, its sum has an order that only a batch can keep.
+        let at_once = !self.settings.shadows && self.settings.method == Method::RayCast;
         self.groups.sort(&self.hits, instances);
         for (instance, members) in self.groups.iter() {
             for members in members.chunks(LANES) {
@@ -179,7 +190,12 @@ impl<'a> Tracer<'a> {
                         );
                         let (surfaces, seen) = (&block.surfaces, &block.seen);
                         let lights = &self.bvh.scene().lights;
-                        self.direct.add(lights, surfaces, seen);
+                        if at_once {
+                            let all = &mut Unshadowed;
+                            self.direct.add_now(lights, surfaces, seen, all, radiance);
+                        } else {
+                            self.direct.add(lights, surfaces, seen);
+                        }
                     },
                 );
             }
