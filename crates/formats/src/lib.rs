@@ -42,7 +42,10 @@ pub use import::import_model;
 pub use png::encode_png;
 pub use read_image::{PictureKind, read_image};
 pub use report::{Report, one_line};
-pub use scene_file::{LoadOptions, Loaded, SceneSettings, load_scene, scene_schema};
+pub use scene_file::{
+    LoadOptions, Loaded, SceneSettings, ShadowMapOverrides, check_shadow_map_side, load_scene,
+    scene_schema,
+};
 pub use texture_file::load_texture;
 pub use umbriel_render as render;
 pub use write::{check_inputs, check_output, write_file};

@@ -90,7 +90,7 @@ fn scenes_look_as_they_did() {
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     scenes.sort();
-    assert!(scenes.len() >= 14, "only {} scenes", scenes.len());
+    assert!(scenes.len() >= 15, "only {} scenes", scenes.len());
     for scene in &scenes {
         let stem = scene.file_stem().unwrap_or_default().to_string_lossy();
         for (method, suffix) in [(Method::Whitted, "whitted"), (Method::RayCast, "ray-cast")] {

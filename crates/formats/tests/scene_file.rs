@@ -1,7 +1,7 @@
 //! Scene files: our own scenes, the schema, and what every key does.
 
 use std::path::{Path, PathBuf};
-use umbriel_formats::render::{Light, Projection, Sampling, Texture};
+use umbriel_formats::render::{Light, Projection, Sampling, ShadowFilter, Texture};
 use umbriel_formats::{LoadOptions, Loaded, load_scene, scene_schema};
 
 fn root() -> PathBuf {
@@ -33,7 +33,7 @@ fn all_scenes_load() {
             count += 1;
         }
     }
-    assert!(count >= 14, "{count} scenes");
+    assert!(count >= 15, "{count} scenes");
 }
 
 /// Regenerate with `UPDATE_SCHEMA=1 cargo test -p umbriel-formats --test scene_file`.
@@ -114,6 +114,48 @@ fn every_key_is_understood() {
         "{p}"
     );
     assert!(scene.instances[0].inside_out);
+}
+
+/// A light's own table goes first, then that of all lights, then the default; models have the latter two.
+#[test]
+fn shadow_maps_follow_the_lights() {
+    let Loaded {
+        scene, settings, ..
+    } = load(EVERYTHING);
+    let said = |i: usize| {
+        let map = settings.shadow_maps[i];
+        let (name, degrees) = (scene.lights[i].name(), map.light_size.to_degrees());
+        let size = if name == "d" { degrees } else { map.light_size };
+        let (resolution, cascades) = (map.resolution, map.cascades);
+        format!(
+            "{name} {resolution} {} {} {cascades} {size:.3}",
+            map.bias, map.filter
+        )
+    };
+    assert_eq!(settings.shadow_maps.len(), scene.lights.len());
+    assert_eq!(said(0), "p 256 constant:0.02m pcf:3 2 0.500");
+    assert_eq!(said(1), "s 512 slope-scaled:1.5 pcf:3 2 0.500");
+    assert_eq!(said(3), "d 1024 slope-scaled:1.5 pcss:64 4 0.530");
+    // Daylight comes from no table, and an included file goes after the one that includes it.
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    let base = "[render.shadow_map]\nresolution = 64\nfilter = \"pcf:5\"\nsize = 1000\n";
+    write("base.toml", base);
+    let scene = "include = [\"base.toml\"]\nrender.shadow_map.resolution = 32\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\n";
+    write("scene.toml", scene);
+    let loaded = load_scene(&folder.path().join("scene.toml"), &LoadOptions::default()).unwrap();
+    let [map] = loaded.settings.shadow_maps[..] else {
+        panic!("one sun")
+    };
+    assert_eq!(
+        (map.resolution, map.filter),
+        (32, ShadowFilter::Pcf { side: 5 })
+    );
+    assert_eq!(
+        map.light_size,
+        std::f32::consts::PI,
+        "at most half of the sky"
+    );
 }
 
 /// The names of the schema's properties all stand in the file of the test above.
@@ -203,5 +245,6 @@ fn models_are_smooth_unless_asked_otherwise() {
     std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
     let loaded = load_scene(&path, &LoadOptions::default()).unwrap();
     assert_eq!(loaded.settings.sampling, Some(Sampling::Fixed { spp: 4 }));
+    assert_eq!(loaded.settings.shadow_maps.len(), loaded.scene.lights.len());
     assert_eq!(loaded.report.files.into_iter().collect::<Vec<_>>(), [path]);
 }

@@ -99,6 +99,8 @@ fn sizes_over_a_limit_are_their_own_kind() {
     let error = error_of(b"[render]\nresolution = [60000, 60000]\n");
     assert_eq!(error.kind, ErrorKind::Limit);
     assert!(error.message.contains("53.6 GiB"), "{error}");
+    let error = error_of(b"[render.shadow_map]\nresolution = 100000\n");
+    assert_eq!(error.kind, ErrorKind::Limit);
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("big.toml");
     std::fs::File::create(&path)
@@ -163,7 +165,8 @@ fn includes_are_bounded() {
 
 const SMALL: &str = "[render]\ndepth = 3\n\n[[camera]]\nname = \"main\"\neye = [0, 0, 5]\nlook_at = [0, 0, 0]\n\n\
     [[material]]\nname = \"red\"\nbase_color = [1, 0, 0]\n\n\
-    [[sphere]]\nname = \"glass\"\ncenter = [0, 0, 0]\nradius = 1\nmaterial = \"red\"\n";
+    [[sphere]]\nname = \"glass\"\ncenter = [0, 0, 0]\nradius = 1\nmaterial = \"red\"\n\n\
+    [[directional_light]]\nname = \"sun\"\ndirection = [0, -1, 0]\nilluminance = 1\n";
 
 #[test]
 fn overrides_change_the_document() {
@@ -172,6 +175,8 @@ fn overrides_change_the_document() {
         ("render.depth", "4"),
         ("render.method", "ray-cast"),
         ("environment.ambient", "0.5"),
+        ("render.shadow_map.resolution", "64"),
+        ("directional_light.sun.shadow_map.filter", "pcf:5"),
         ("sphere.0.transform.scale", "3"),
         ("sphere.glass.radius", "2.5"),
         ("camera.main.fov", "30"),
@@ -183,6 +188,8 @@ fn overrides_change_the_document() {
         loaded.settings.method,
         Some(umbriel_formats::render::Method::RayCast)
     );
+    assert_eq!(loaded.settings.shadow_maps[0].resolution, 64);
+    assert_eq!(loaded.settings.shadow_maps[0].filter.to_string(), "pcf:5");
     let bounds = loaded.scene.surfaces[0].bounds().unwrap();
     assert!((bounds.max.x - 2.5).abs() < 1e-5);
     assert_eq!(
@@ -242,6 +249,16 @@ fn faults_of_overrides_name_them() {
         ),
         ("sphere.0.material", "gren", "no material \"gren\""),
         ("sphere", "3", "`sphere` is 3"),
+        (
+            "render.shadow_map.resolution",
+            "100000",
+            "a shadow map of 100000x100000 takes 37.3 GiB",
+        ),
+        (
+            "directional_light.sun.shadow_map.bias",
+            "constant:NaN",
+            "`bias`: `constant:NaN` is no shadow bias",
+        ),
     ] {
         let error = load(folder.path(), SMALL.as_bytes(), &[(key, value)]).unwrap_err();
         assert_eq!(

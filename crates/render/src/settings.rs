@@ -10,6 +10,8 @@ pub enum Method {
     /// Recursive mirrored and refracted rays (Whitted 1980).
     #[default]
     Whitted,
+    /// Local shading as in ray casting; depth images from the lights tell what is lit (Williams 1978).
+    ShadowMap,
 }
 
 /// Where in a pixel the eye rays go.

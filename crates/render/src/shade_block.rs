@@ -123,7 +123,7 @@ impl ShadeBlock {
         let mut shines = unlit || self.surfaces.uniform.as_ref().is_none_or(glows);
         if !unlit {
             shines |= match settings.method {
-                Method::RayCast => {
+                Method::RayCast | Method::ShadowMap => {
                     ray_cast::shade(&scene.environment, &mut self.surfaces, &mut self.ambient);
                     true
                 }
@@ -161,7 +161,7 @@ impl ShadeBlock {
         let depth = settings.depth.min(u32::from(u16::MAX));
         let may_go_on = |state: &RayState| u32::from(state.depth) < depth;
         let states = || members.iter().map(|m| &queue.states[m.0 as usize]);
-        if settings.method == Method::RayCast || !states().any(may_go_on) {
+        if settings.method != Method::Whitted || !states().any(may_go_on) {
             return;
         }
         let least = settings.min_weight;

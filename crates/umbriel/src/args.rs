@@ -2,11 +2,13 @@
 
 use crate::values::{
     Exposure, Resolution, parse_aovs, parse_crop, parse_definition, parse_exposure, parse_fov,
-    parse_resolution, parse_threshold, parse_tolerance, parse_vector,
+    parse_light_size, parse_resolution, parse_threshold, parse_tolerance, parse_vector,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use std::path::PathBuf;
-use umbriel_formats::render::{Aov, GlassShadows, Method, Tonemap};
+use umbriel_formats::render::{
+    Aov, Bias, GlassShadows, Method, ShadowFilter, ShadowMapSettings, Tonemap,
+};
 
 /// Shown at the end of every help text.
 const EXIT_CODES: &str = "\
@@ -128,6 +130,8 @@ pub(crate) struct RenderArgs {
     /// What a shadow ray does at glass [default: filtered]
     #[arg(long, value_enum)]
     pub(crate) glass_shadows: Option<GlassName>,
+    #[command(flatten)]
+    pub(crate) shadow_maps: ShadowMapArgs,
     /// Set a field of the scene file by its path, as in render.depth=4 or camera.0.fov=30
     #[arg(short = 'D', value_name = "KEY=VALUE", value_parser = parse_definition)]
     pub(crate) definitions: Vec<(String, String)>,
@@ -149,6 +153,29 @@ pub(crate) struct RenderArgs {
     /// Fail when the picture exists already
     #[arg(long)]
     pub(crate) no_clobber: bool,
+}
+
+/// How the method shadow-map makes and reads the maps of all lights.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ShadowMapArgs {
+    /// Texels a side of every shadow map [default: 2048]
+    #[arg(long = "shadow-map-size", value_name = "N", value_parser = value_parser!(u64).range(1..))]
+    pub(crate) size: Option<u64>,
+    /// What keeps surfaces from shadowing themselves: none, constant:AMOUNT, slope-scaled:AMOUNT, normal-offset:AMOUNT,
+    /// receiver-plane:AMOUNT or adaptive; AMOUNT in texels, or in metres as in 0.02m [default: adaptive]
+    #[arg(long = "shadow-bias", value_name = "BIAS")]
+    pub(crate) bias: Option<Bias>,
+    /// How texels become one shadow: hard, pcf:SIDE, bilinear:SIDE, poisson:TAPS:RADIUS, vogel:TAPS:RADIUS, pcss:TAPS,
+    /// vsm:RADIUS, evsm:RADIUS or msm:RADIUS [default: hard]
+    #[arg(long = "shadow-filter", value_name = "FILTER")]
+    pub(crate) filter: Option<ShadowFilter>,
+    /// Shadow maps of each directional light, one behind the other [default: 1]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=i64::from(ShadowMapSettings::MAX_CASCADES)))]
+    pub(crate) cascades: Option<u32>,
+    /// Size of the lights for the filter pcss: the diameter in metres, for directional lights the angular diameter in
+    /// degrees [default: 0]
+    #[arg(long, value_name = "SIZE", value_parser = parse_light_size)]
+    pub(crate) light_size: Option<f32>,
 }
 
 /// A type of its own, because clap gives `Vec` a meaning of its own.
@@ -201,6 +228,8 @@ pub(crate) enum MethodName {
     RayCast,
     /// Mirrored and refracted rays (Whitted 1980)
     Whitted,
+    /// Depth images from the lights tell what is lit (Williams 1978)
+    ShadowMap,
 }
 
 impl From<MethodName> for Method {
@@ -208,6 +237,7 @@ impl From<MethodName> for Method {
         match name {
             MethodName::RayCast => Self::RayCast,
             MethodName::Whitted => Self::Whitted,
+            MethodName::ShadowMap => Self::ShadowMap,
         }
     }
 }

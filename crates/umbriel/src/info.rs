@@ -5,6 +5,7 @@ use crate::{
     errors::{Exit, Failure},
     plan::memory,
     run::print_line,
+    shadow_maps::{own_settings, shadow_map_lines, shadow_maps_json},
     summary::ignored_line,
 };
 use serde_json::{Value, json};
@@ -151,14 +152,17 @@ pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let ignored = ignored_line(&loaded.report);
     let scene = &loaded.scene;
     let (contents, extent) = (Contents::of(scene), Extent::of(scene));
+    let settings = own_settings(&loaded.settings);
     if args.json {
         let mut object = contents_json(scene, &contents, extent);
         object["scene"] = json!(args.scene.display().to_string());
+        object["shadow_maps"] = shadow_maps_json(&settings, &scene.lights);
         object["notes"] = json!(loaded.report.notes);
         object["ignored"] = json!(loaded.report.ignored);
         print_line(&object.to_string())?;
     } else {
         let mut lines = contents_lines(scene, &contents, extent);
+        lines.extend(shadow_map_lines(&settings, &scene.lights));
         lines.extend(
             loaded
                 .report

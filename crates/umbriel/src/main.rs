@@ -13,6 +13,7 @@ mod progress;
 mod render;
 mod run;
 mod say;
+mod shadow_maps;
 mod summary;
 mod values;
 mod watch;

@@ -62,6 +62,7 @@ pub(crate) fn method_name(method: Method) -> &'static str {
     match method {
         Method::RayCast => "ray-cast",
         Method::Whitted => "whitted",
+        Method::ShadowMap => "shadow-map",
     }
 }
 

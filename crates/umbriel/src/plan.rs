@@ -3,11 +3,12 @@
 use crate::{
     args::RenderArgs,
     errors::{Exit, Failure},
+    shadow_maps::choose_shadow_maps,
     values::{Exposure, Resolution},
 };
 use std::{fs, path::Path};
 use umbriel_formats::{
-    FileError, SceneSettings, check_output,
+    FileError, Loaded, SceneSettings, check_output,
     render::{Sampling, Settings, Tonemap},
 };
 
@@ -84,14 +85,19 @@ fn target_of(path: &Path) -> Result<Target, Failure> {
 /// Merges options, scene file and defaults.
 pub(crate) fn make_plan(
     args: &RenderArgs,
-    scene: &SceneSettings,
+    loaded: &Loaded,
     default: Exposure,
 ) -> Result<Plan, Failure> {
+    let scene = &loaded.settings;
     let own = scene.resolution.unwrap_or(Settings::default().resolution);
     let size = resolution(args.resolution, own)?;
     check_crop(args.crop, size)?;
+    let shadow_maps = choose_shadow_maps(&args.shadow_maps, loaded)?;
     Ok(Plan {
-        settings: settings(args, scene, size),
+        settings: Settings {
+            shadow_maps,
+            ..settings(args, scene, size)
+        },
         exposure: args
             .exposure
             .or(scene.exposure.map(Exposure::Stops))
@@ -123,8 +129,8 @@ fn settings(args: &RenderArgs, scene: &SceneSettings, size: [u32; 2]) -> Setting
             .map(Into::into)
             .or(scene.glass_shadows)
             .unwrap_or(base.glass_shadows),
-        shadow_maps: base.shadow_maps,
         seed: args.seed.or(scene.seed).unwrap_or(base.seed),
+        ..base
     }
 }
 
@@ -175,21 +181,24 @@ fn resolution(asked: Option<Resolution>, own: [u32; 2]) -> Result<[u32; 2], Fail
 /// Bytes for each pixel of a PNG while it is made: the film, the developed pixel, its copy for the encoder.
 const PIXEL_BYTES: u64 = 16 + 4 + 4;
 
-/// Refuses a picture that does not fit into the memory that is free now, where the system tells it.
+/// Refuses a picture that does not fit into the memory.
 ///
 /// `channels` are those of an EXR file beside the film: each exists as layer and in the encoder.
 pub(crate) fn check_memory([width, height]: [u32; 2], channels: u64) -> Result<(), Failure> {
     let bytes = u64::from(width) * u64::from(height) * (PIXEL_BYTES + 8 * channels);
-    // Small pictures are not worth the question.
+    check_free(bytes, &format!("a picture of {width}x{height} takes"))
+}
+
+/// Refuses what does not fit into the memory that is free now, where the system tells it.
+pub(crate) fn check_free(bytes: u64, taker: &str) -> Result<(), Failure> {
+    // Small things are not worth the question.
     if bytes < 1 << 28 {
         return Ok(());
     }
     match available_memory() {
         Some(free) if bytes > free => {
             let (needed, free) = (memory(bytes as f64), memory(free as f64));
-            let message = format!(
-                "a picture of {width}x{height} takes {needed} of memory, but only {free} are free"
-            );
+            let message = format!("{taker} {needed} of memory, but only {free} are free");
             Err(Failure::new(Exit::Limit, message))
         }
         _ => Ok(()),

@@ -10,6 +10,7 @@ use crate::{
     plan::{Plan, Target, check_memory, check_target, make_plan},
     progress::Progress,
     run::print_line,
+    shadow_maps::{check_shadow_memory, idle_shadow_options},
     summary::{Phases, Summary, print_loaded},
     values::{Exposure, Resolution},
     watch,
@@ -21,7 +22,7 @@ use std::{
 };
 use umbriel_formats::{
     LoadOptions, Loaded, check_inputs, load_scene,
-    render::{Camera, Control, Film, Layer, SceneBvh, render, render_aovs},
+    render::{Camera, Control, Film, Layer, Light, SceneBvh, Settings, render, render_aovs},
 };
 
 /// Renders once, or again and again.
@@ -39,8 +40,9 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
     let pool = build_pool(args.threads)?;
     let (loaded, load) = timed(|| pool.install(|| load(args, target)));
     let loaded = loaded?;
-    let plan = make_plan(args, &loaded.settings, default_exposure(args, &loaded))?;
+    let plan = make_plan(args, &loaded, default_exposure(args, &loaded))?;
     check_memory(plan.settings.resolution, exr_channels(args, target))?;
+    check_shadow_memory(&plan.settings, &loaded.scene.lights)?;
     let camera = choose_camera(&loaded.scene, args)?;
     if !args.quiet {
         print_loaded(args, &loaded, &plan, &camera, target);
@@ -201,9 +203,17 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (result, start.elapsed().as_secs_f64())
 }
 
-/// Whether a note about an option without effect is due, and which.
-pub(crate) fn idle_options(args: &RenderArgs, target: Target) -> Option<&'static str> {
+/// What is said of options without effect.
+pub(crate) fn idle_options(
+    args: &RenderArgs,
+    settings: &Settings,
+    lights: &[Light],
+    target: Target,
+) -> Vec<String> {
     let tone = args.exposure.is_some() || args.tonemap.is_some();
-    (target == Target::Exr && tone)
-        .then_some("--exposure and --tonemap have no effect on EXR, which holds light as it is")
+    let tone = (target == Target::Exr && tone).then(|| {
+        "--exposure and --tonemap have no effect on EXR, which holds light as it is".to_owned()
+    });
+    let shadows = idle_shadow_options(&args.shadow_maps, settings, lights);
+    tone.into_iter().chain(shadows).collect()
 }

@@ -7,6 +7,7 @@ use crate::{
     plan::{Plan, Target, memory},
     render::idle_options,
     say::say,
+    shadow_maps::{shadow_map_lines, shadow_maps_json},
     values::Exposure,
 };
 use serde_json::{Value, json};
@@ -62,8 +63,11 @@ pub(crate) fn print_loaded(
     if let Some(line) = ignored_line(&loaded.report) {
         say(&line);
     }
-    if let Some(note) = idle_options(args, target) {
+    for note in idle_options(args, &plan.settings, &loaded.scene.lights, target) {
         say(&format!("note: {note}"));
+    }
+    for line in shadow_map_lines(&plan.settings, &loaded.scene.lights) {
+        say(&line);
     }
     if args.verbose {
         let s = &plan.settings;
@@ -190,6 +194,7 @@ impl Summary<'_> {
             "spp": spp,
             "adaptive": adaptive,
             "depth": settings.depth,
+            "shadow_maps": shadow_maps_json(settings, &self.loaded.scene.lights),
             "seed": settings.seed,
             "threads": self.threads,
             "phases": {

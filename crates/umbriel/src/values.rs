@@ -1,6 +1,6 @@
 //! Values of options: how they are written and what they mean.
 
-use umbriel_formats::render::Aov;
+use umbriel_formats::{ShadowMapOverrides, render::Aov};
 
 /// Size of the picture as asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +71,17 @@ pub(crate) fn parse_fov(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
         _ => Err("expected degrees above 0 and below 180".to_owned()),
+    }
+}
+
+/// A size that lights can have.
+pub(crate) fn parse_light_size(text: &str) -> Result<f32, String> {
+    let most = ShadowMapOverrides::MAX_SIZE;
+    match text.parse::<f32>() {
+        Ok(size) if (0.0..=most).contains(&size) => Ok(size),
+        _ => Err(format!(
+            "expected a size from 0 to {most}: metres, or degrees of a directional light"
+        )),
     }
 }
 
@@ -177,6 +188,12 @@ mod tests {
         assert_eq!(parse_exposure("auto"), Ok(Exposure::Auto));
         assert_eq!(parse_exposure("-1.5"), Ok(Exposure::Stops(-1.5)));
         assert!(parse_exposure("nan").is_err() && parse_exposure("1e9").is_err());
+        assert_eq!(parse_light_size("0.5"), Ok(0.5));
+        assert!(
+            ["-1", "nan", "inf", "1cm"]
+                .iter()
+                .all(|bad| parse_light_size(bad).is_err())
+        );
         assert!(parse_fov("180").is_err() && parse_fov("0").is_err() && parse_fov("nan").is_err());
         assert_eq!(
             parse_definition("a.b = 3"),

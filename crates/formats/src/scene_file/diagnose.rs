@@ -106,7 +106,7 @@ fn check_item(name: &str, item: &Spanned<DeValue<'_>>) -> Result<(), Fault> {
 fn check_fields(table: &DeTable<'_>) -> Result<(), Fault> {
     for (key, value) in table.iter() {
         let name = key.get_ref().as_ref();
-        if matches!(name, "transform" | "adaptive") && !value.get_ref().is_table() {
+        if matches!(name, "transform" | "adaptive" | "shadow_map") && !value.get_ref().is_table() {
             let message = format!(
                 "`{name}` is of type {}; expected a table, {{ … }}",
                 value.get_ref().type_str()

@@ -1,5 +1,6 @@
 //! What may stand in a scene file. The doc comments become the descriptions in the JSON Schema.
 
+use super::shadow_map::ShadowMapTable;
 use super::shapes::TransformTable;
 use super::shapes::{
     BoxTable, ConeTable, CylinderTable, DiskTable, PlaneTable, RectangleTable, SphereTable,
@@ -77,6 +78,8 @@ pub(super) struct RenderTable {
     pub shadows: Option<bool>,
     /// What a shadow ray does at glass.
     pub glass_shadows: Option<GlassShadowsName>,
+    /// The shadow maps of all lights, as far as a light has no table of its own.
+    pub shadow_map: Option<ShadowMapTable>,
     /// Changes the places of the samples in the pixels.
     pub seed: Option<u64>,
     /// Exposure in stops: 1 doubles the brightness.
@@ -103,6 +106,8 @@ pub(super) enum MethodName {
     RayCast,
     /// Mirrored and refracted rays (Whitted 1980).
     Whitted,
+    /// Depth images from the lights tell what is lit (Williams 1978).
+    ShadowMap,
 }
 
 /// What a shadow ray does at glass.
@@ -293,6 +298,8 @@ pub(super) struct PointLightTable {
     pub intensity: Color,
     /// Distance in metres at which the light ends; infinite by default.
     pub range: Option<f32>,
+    /// Its shadow map.
+    pub shadow_map: Option<ShadowMapTable>,
 }
 
 /// A light that shines from a point into a cone, towards `direction` or `look_at`.
@@ -315,6 +322,8 @@ pub(super) struct SpotLightTable {
     pub inner_angle: Option<f32>,
     /// Degrees from the axis at which the light ends, at most 90; 45 by default.
     pub outer_angle: Option<f32>,
+    /// Its shadow map.
+    pub shadow_map: Option<ShadowMapTable>,
 }
 
 /// Parallel light, towards `direction`.
@@ -327,6 +336,8 @@ pub(super) struct DirectionalLightTable {
     pub direction: Vec3,
     /// Illuminance in lux on a surface that faces the light; π makes a white diffuse surface have radiance 1.
     pub illuminance: Color,
+    /// Its shadow map.
+    pub shadow_map: Option<ShadowMapTable>,
 }
 
 /// All triangle meshes of a file.

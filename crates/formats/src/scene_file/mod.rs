@@ -8,15 +8,18 @@ mod materials;
 mod merge;
 mod overrides;
 mod settings;
+mod shadow_map;
 mod shapes;
 mod source;
 mod values;
 
 pub use settings::SceneSettings;
+pub use shadow_map::{ShadowMapOverrides, check_shadow_map_side};
 
 use crate::{FileError, Place, Report, complete_scene, import_model};
+use shadow_map::ShadowMapTables;
 use std::path::Path;
-use umbriel_render::{Sampling, Scene};
+use umbriel_render::{Sampling, Scene, ShadowMapSettings};
 
 /// Samples a pixel of a model.
 const MODEL_SPP: u32 = 4;
@@ -58,7 +61,7 @@ pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Loaded, FileErro
         .is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     let (scene, settings) = match is_toml {
         true => load_toml(path, options, &mut report)?,
-        false => (load_model(path, options, &mut report)?, model_settings()),
+        false => load_model(path, options, &mut report)?,
     };
     Ok(Loaded {
         scene,
@@ -68,9 +71,10 @@ pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Loaded, FileErro
 }
 
 /// A model is mostly drawn to be looked at, and nobody has said how: its edges shall be smooth at once.
-fn model_settings() -> SceneSettings {
+fn model_settings(scene: &Scene) -> SceneSettings {
     SceneSettings {
         sampling: Some(Sampling::Fixed { spp: MODEL_SPP }),
+        shadow_maps: vec![ShadowMapSettings::default(); scene.lights.len()],
         ..SceneSettings::default()
     }
 }
@@ -81,17 +85,23 @@ fn load_toml(
     report: &mut Report,
 ) -> Result<(Scene, SceneSettings), FileError> {
     let parts = include::read_parts(path, &options.overrides, report)?;
-    let settings = settings::read_settings(&parts)?;
+    let mut settings = settings::read_settings(&parts)?;
+    let shadow_maps = ShadowMapTables::read(&parts)?;
     let mut scene = convert::build_scene(&parts, report)?;
     if scene.instances.is_empty() {
         report.note("nothing in the scene: the picture shows the background");
     }
     let resolution = options.resolution.or(settings.resolution);
     complete_scene(&mut scene, resolution, report);
+    settings.shadow_maps = shadow_maps.settings(&scene.lights);
     Ok((scene, settings))
 }
 
-fn load_model(path: &Path, options: &LoadOptions, report: &mut Report) -> Result<Scene, FileError> {
+fn load_model(
+    path: &Path,
+    options: &LoadOptions,
+    report: &mut Report,
+) -> Result<(Scene, SceneSettings), FileError> {
     if let Some((key, value)) = options.overrides.first() {
         let message = format!("-D {key}={value} changes scene files only; expected a .toml file");
         return Err(FileError::input(path, Place::File, message));
@@ -101,7 +111,8 @@ fn load_model(path: &Path, options: &LoadOptions, report: &mut Report) -> Result
     scene.validate().map_err(|error| {
         FileError::input(path, Place::File, format!("{:?}: {error}", error.element))
     })?;
-    Ok(scene)
+    let settings = model_settings(&scene);
+    Ok((scene, settings))
 }
 
 /// The JSON Schema of scene files, for completion and checks in editors.

@@ -66,7 +66,14 @@ fn set_in_table<'a>(
     }
     if !table.contains_key(step) {
         // Tables that need not be written may be made by an override; arrays of things have no element to set.
-        if !matches!(step, "render" | "environment" | "transform" | "adaptive") {
+        let makeable = [
+            "render",
+            "environment",
+            "transform",
+            "adaptive",
+            "shadow_map",
+        ];
+        if !makeable.contains(&step) {
             let names: Vec<&str> = table.keys().map(|k| k.get_ref().as_ref()).collect();
             return Err(format!(
                 "no `{step}` in the scene; {}",

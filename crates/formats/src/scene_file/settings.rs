@@ -4,7 +4,7 @@ use super::document::{GlassShadowsName, MethodName, RenderTable, TonemapName};
 use super::include::Part;
 use super::source::{Fault, Source};
 use crate::{ErrorKind, FileError};
-use umbriel_render::{GlassShadows, Method, Sampling, Tonemap};
+use umbriel_render::{GlassShadows, Method, Sampling, ShadowMapSettings, Tonemap};
 
 /// What `[render]` of a scene file may say; the command line goes first.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,6 +23,8 @@ pub struct SceneSettings {
     pub shadows: Option<bool>,
     /// What a shadow ray does at glass.
     pub glass_shadows: Option<GlassShadows>,
+    /// How the shadow maps are made and read: one entry for each light of the scene, in its order.
+    pub shadow_maps: Vec<ShadowMapSettings>,
     /// Seed of the sample positions.
     pub seed: Option<u64>,
     /// Exposure in stops.
@@ -52,6 +54,7 @@ pub(super) fn read_settings(parts: &[Part]) -> Result<SceneSettings, FileError> 
             min_weight: merged.min_weight.or(one.min_weight),
             shadows: merged.shadows.or(one.shadows),
             glass_shadows: merged.glass_shadows.or(one.glass_shadows),
+            shadow_maps: Vec::new(),
             seed: merged.seed.or(one.seed),
             exposure: merged.exposure.or(one.exposure),
             tonemap: merged.tonemap.or(one.tonemap),
@@ -86,6 +89,7 @@ fn read_table(table: &RenderTable, source: &Source) -> Result<SceneSettings, Fau
         method: table.method.map(|name| match name {
             MethodName::RayCast => Method::RayCast,
             MethodName::Whitted => Method::Whitted,
+            MethodName::ShadowMap => Method::ShadowMap,
         }),
         resolution: resolution(table, at("resolution"))?,
         sampling: sampling(table, &at)?,
@@ -96,6 +100,7 @@ fn read_table(table: &RenderTable, source: &Source) -> Result<SceneSettings, Fau
             GlassShadowsName::Filtered => GlassShadows::Filtered,
             GlassShadowsName::Opaque => GlassShadows::Opaque,
         }),
+        shadow_maps: Vec::new(),
         seed: table.seed,
         exposure: table.exposure,
         tonemap: table.tonemap.map(|name| match name {

@@ -193,6 +193,23 @@ impl Source {
         }
         header
     }
+
+    /// The value of `field` in the table `inner` of a table, or `inner` itself where the field was not written.
+    pub(super) fn span_within(
+        &self,
+        table: &str,
+        index: Option<usize>,
+        inner: &str,
+        field: &str,
+    ) -> Range<usize> {
+        let mut path = vec![Step::Key(table.to_owned())];
+        path.extend(index.map(Step::Index));
+        path.extend([inner, field].map(|key| Step::Key(key.to_owned())));
+        match self.entry(&path) {
+            Some(entry) => entry.value.clone(),
+            None => self.span_of(table, index, &[inner]),
+        }
+    }
 }
 
 /// The start of the character that holds `byte`.
