@@ -49,8 +49,6 @@ pub struct MeshHit {
 pub struct MeshBvh {
     pub(crate) tree: Tree,
     pub(crate) leaves: TriangleLeaves,
-    /// Numbers of the triangles, leaf by leaf.
-    pub(crate) items: Vec<u32>,
     dropped: usize,
     unit: VectorUnit,
 }
@@ -118,15 +116,13 @@ impl MeshBvh {
         } else {
             build_binned(indices.len(), |i| solid(i).bounds(), &LEAVES)
         };
-        let tree = Tree::new(&binary);
-        let items = binary.items;
-        let leaves = TriangleLeaves::new(tree.leaves().collect(), &items, triangle);
+        let mut tree = Tree::new(&binary);
+        let leaves = TriangleLeaves::new(&tree.number_leaves(), &binary.items, triangle);
         let mut held = vec![false; indices.len()];
-        items.iter().for_each(|&i| held[i as usize] = true);
+        leaves.primitives().for_each(|i| held[i as usize] = true);
         Self {
             tree,
             leaves,
-            items,
             dropped: held.iter().filter(|&&held| !held).count(),
             unit: VectorUnit::default(),
         }
@@ -139,7 +135,7 @@ impl MeshBvh {
 
     /// Bytes on the heap.
     pub fn memory(&self) -> usize {
-        self.tree.memory() + self.leaves.memory() + self.items.capacity() * size_of::<u32>()
+        self.tree.memory() + self.leaves.memory()
     }
 
     /// Number of triangles that no ray can hit, because they have no area, or a corner that is not finite or not there.

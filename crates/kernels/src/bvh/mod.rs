@@ -35,12 +35,17 @@ impl Tree {
         self.nodes.capacity() * size_of::<Node>()
     }
 
-    /// Calls `visit` with every leaf.
-    pub(crate) fn leaves(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let used = |child: &&Child| child.is_leaf() && **child != Child::NOTHING;
-        self.nodes
-            .iter()
-            .flat_map(move |node| node.children.iter().filter(used).map(|child| child.items()))
+    /// Names the leaves by their numbers, node after node, in place of their first items; gives their ranges of items.
+    pub(crate) fn number_leaves(&mut self) -> Vec<(usize, usize)> {
+        let mut leaves = Vec::new();
+        for child in self.nodes.iter_mut().flat_map(|node| &mut node.children) {
+            if child.is_leaf() && *child != Child::NOTHING {
+                let (first, n) = child.items();
+                *child = Child::leaf(leaves.len() as u32, n as u32);
+                leaves.push((first, n));
+            }
+        }
+        leaves
     }
 }
 

@@ -182,7 +182,7 @@ impl MeshBvh {
         } else {
             parts.get(lane)
         };
-        let primitive = self.items[leaf.0 + place];
+        let primitive = self.leaves.primitive(leaf, place);
         Some(MeshHit { primitive, t, u, v })
     }
 }

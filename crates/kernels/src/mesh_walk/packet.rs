@@ -68,7 +68,7 @@ impl MeshBvh {
         if batch.keep.is_some() {
             apart |= found.hit;
         } else if found.hit != 0 {
-            best.take(found, self.items[leaf.0 + k]);
+            best.take(found, self.leaves.primitive(leaf, k));
         }
         if apart == 0 {
             return;

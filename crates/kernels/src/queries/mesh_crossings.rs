@@ -73,7 +73,7 @@ fn pierce_leaf(
         if let Some(at) = needle.pierce(&bvh.leaves.triangle(leaf, i))
             && ray.t.contains(at.t as f32)
         {
-            let primitive = bvh.items[leaf.0 + i];
+            let primitive = bvh.leaves.primitive(leaf, i);
             found.push(Found { primitive, at });
         }
     }
