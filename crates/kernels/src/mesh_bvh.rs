@@ -117,7 +117,7 @@ impl MeshBvh {
             build_binned(indices.len(), |i| solid(i).bounds(), &LEAVES)
         };
         let mut tree = Tree::new(&binary);
-        let leaves = TriangleLeaves::new(&tree.number_leaves(), &binary.items, triangle);
+        let leaves = TriangleLeaves::new(&mut tree, &binary.items, triangle);
         let mut held = vec![false; indices.len()];
         leaves.primitives().for_each(|i| held[i as usize] = true);
         Self {

@@ -35,17 +35,14 @@ impl Tree {
         self.nodes.capacity() * size_of::<Node>()
     }
 
-    /// Names the leaves by their numbers, node after node, in place of their first items; gives their ranges of items.
-    pub(crate) fn number_leaves(&mut self) -> Vec<(usize, usize)> {
-        let mut leaves = Vec::new();
+    /// Puts what `place` makes of a leaf's first item and number of items in the place of the first item, node after node.
+    pub(crate) fn place_leaves(&mut self, mut place: impl FnMut(usize, usize) -> usize) {
         for child in self.nodes.iter_mut().flat_map(|node| &mut node.children) {
             if child.is_leaf() && *child != Child::NOTHING {
                 let (first, n) = child.items();
-                *child = Child::leaf(leaves.len() as u32, n as u32);
-                leaves.push((first, n));
+                *child = Child::leaf(place(first, n) as u32, n as u32);
             }
         }
-        leaves
     }
 }
 

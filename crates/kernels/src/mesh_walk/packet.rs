@@ -169,6 +169,6 @@ impl MeshBvh {
         furthest: f32,
     ) -> impl Iterator<Item = usize> + use<S> {
         let (met, _) = boxes.meet_any(&self.leaves.boxes(simd, leaf), furthest);
-        lanes_of(met & ((1 << leaf.1) - 1))
+        lanes_of(met & self.leaves.mask(leaf))
     }
 }

@@ -69,7 +69,7 @@ fn pierce_leaf(
     leaf: (usize, usize),
     found: &mut Vec<Found>,
 ) {
-    for i in 0..leaf.1 {
+    for i in bvh.leaves.lanes(leaf) {
         if let Some(at) = needle.pierce(&bvh.leaves.triangle(leaf, i))
             && ray.t.contains(at.t as f32)
         {

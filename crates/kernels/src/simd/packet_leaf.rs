@@ -42,7 +42,7 @@ impl<S: Simd> PacketLeaf<S> {
         members: u32,
         t_max: f32x16<S>,
     ) -> Option<LaneHits<S>> {
-        let corners = &leaves.leaf(leaf).corners;
+        let corners = &leaves.block(leaf).corners;
         let lanes = ShearedLanes {
             a: self.shear(&corners[0], place),
             b: self.shear(&corners[1], place),
