@@ -9,7 +9,7 @@ use crate::Aabb;
 use crate::build::BinaryTree;
 use fold::fold;
 pub(crate) use node::{Child, Node, WIDTH};
-pub(crate) use packet_walk::{PacketStack, Visit};
+pub(crate) use packet_walk::{Order, PacketStack, Visit};
 pub(crate) use walk::Stack;
 
 /// The boxes of a hierarchy; what its leaves' items are is the owner's business.

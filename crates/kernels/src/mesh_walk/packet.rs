@@ -1,7 +1,7 @@
 //! The rays of a batch that keep together walk a mesh as one.
 
 use super::{Batch, improve, lanes_of};
-use crate::bvh::{Stacks, Visit};
+use crate::bvh::{Order, Stacks, Visit};
 use crate::mesh_bvh::{MeshBvh, MeshHit};
 use crate::simd::{LaneHits, PacketBoxes, PacketHits, PacketLeaf};
 use fearless_simd::Simd;
@@ -24,7 +24,7 @@ impl MeshBvh {
         let Stacks { single, packet } = stacks;
         self.tree.walk_packet(
             &boxes,
-            true,
+            Order::Nearest,
             members,
             ready.t_max,
             packet,
@@ -100,7 +100,7 @@ impl MeshBvh {
         let Stacks { single, packet } = stacks;
         self.tree.walk_packet(
             &boxes,
-            false,
+            Order::Smallest,
             members,
             ready.t_max,
             packet,
