@@ -5,6 +5,7 @@ use super::node::{Child, Node, WIDTH};
 use crate::build::SAH_DEPTH;
 use crate::simd::BoxRay;
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
+use std::ops::Range;
 
 /// Places on a stack. A level of the tree leaves at most fifteen of its sixteen children there, the last one all of them.
 pub(super) const PLACES: usize = 1024;
@@ -42,8 +43,6 @@ impl Default for Stack {
             entries: Box::new([(0.0, 0); PLACES]),
             queue: Queue {
                 nodes: vec![0; PLACES],
-                head: 0,
-                tail: 0,
                 leaves: Box::new([0; ROUND * WIDTH]),
             },
         }
@@ -108,10 +107,10 @@ impl Tree {
         }
         let queue = &mut stack.queue;
         queue.nodes[0] = from.0;
-        (queue.head, queue.tail) = (0, 1);
-        while queue.head < queue.tail {
-            queue.make_room();
-            let waiting = self.find_leaves(simd, box_ray, t_max, queue);
+        let mut open = 0..1;
+        while !open.is_empty() {
+            queue.make_room(&mut open);
+            let waiting = self.find_leaves(simd, box_ray, t_max, queue, &mut open);
             for &child in &queue.leaves[..waiting] {
                 if leaf(Child(child).items()) {
                     return true;
@@ -121,23 +120,28 @@ impl Tree {
         false
     }
 
-    /// Tests a round of nodes; gives the number of leaves found.
+    /// Tests a round of the `open` nodes; gives the number of leaves found.
     #[inline(always)]
-    fn find_leaves<S: Simd>(&self, simd: S, ray: &BoxRay, t_max: f32, queue: &mut Queue) -> usize {
+    fn find_leaves<S: Simd>(
+        &self,
+        simd: S,
+        ray: &BoxRay,
+        t_max: f32,
+        queue: &mut Queue,
+        open: &mut Range<usize>,
+    ) -> usize {
         let mut waiting = 0;
-        let (mut head, mut tail) = (queue.head, queue.tail);
-        let round = tail.min(head + ROUND);
-        while head < round {
-            let node = &self.nodes[queue.nodes[head] as usize];
-            head += 1;
+        let round = open.end.min(open.start + ROUND);
+        while open.start < round {
+            let node = &self.nodes[queue.nodes[open.start] as usize];
+            open.start += 1;
             let (met, _) = ray.meet(simd, node, t_max);
             let children = u32x16::simd_from(simd, node.children.map(|child| child.0));
             let is_leaf = children.simd_ge(u32x16::splat(simd, Child::LEAF));
             let (inner, leaves) = (met & !is_leaf, met & is_leaf);
             waiting += append(&mut *queue.leaves, waiting, children, leaves);
-            tail += append(&mut queue.nodes, tail, children, inner);
+            open.end += append(&mut queue.nodes, open.end, children, inner);
         }
-        (queue.head, queue.tail) = (head, tail);
         waiting
     }
 }
@@ -200,21 +204,18 @@ fn next(stack: &Entries, top: &mut usize, t_max: f32) -> Option<Child> {
 /// Nodes and leaves on the way to any hit.
 #[derive(Clone, Debug)]
 struct Queue {
-    /// Those from `head` to `tail` are still to be tested.
     nodes: Vec<u32>,
-    head: usize,
-    tail: usize,
     leaves: Box<[u32; ROUND * WIDTH]>,
 }
 
 impl Queue {
-    /// For the children of a round of nodes.
+    /// For the children of a round of nodes; the `open` ones move to the front.
     #[inline(always)]
-    fn make_room(&mut self) {
-        if self.tail + ROUND * WIDTH > self.nodes.len() {
-            self.nodes.copy_within(self.head..self.tail, 0);
-            (self.head, self.tail) = (0, self.tail - self.head);
-            if self.tail + ROUND * WIDTH > self.nodes.len() {
+    fn make_room(&mut self, open: &mut Range<usize>) {
+        if open.end + ROUND * WIDTH > self.nodes.len() {
+            self.nodes.copy_within(open.clone(), 0);
+            *open = 0..open.len();
+            if open.end + ROUND * WIDTH > self.nodes.len() {
                 self.nodes.resize(2 * self.nodes.len(), 0);
             }
         }
