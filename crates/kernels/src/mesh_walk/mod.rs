@@ -76,10 +76,9 @@ pub(crate) fn divide(walk: Walk, ways: Ways, mut left: u32, mut each: impl FnMut
             each(Party::Packet(one, like));
         }
     }
-    lanes_of(left).for_each(
-        #[inline(always)]
-        |i| each(Party::Alone(i)),
-    );
+    for i in lanes_of(left) {
+        each(Party::Alone(i));
+    }
 }
 
 impl MeshBvh {
