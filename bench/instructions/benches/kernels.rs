@@ -39,7 +39,7 @@ fn closest_single((bvh, rays, mut hits): (MeshBvh, Vec<Ray>, Vec<Option<MeshHit>
 #[library_benchmark]
 #[bench::primary(built(|_, _| primary(), None))]
 fn closest_packets((bvh, rays, mut hits): (MeshBvh, Vec<Ray>, Vec<Option<MeshHit>>)) -> Vec<Option<MeshHit>> {
-    bvh.closest_hits(black_box(&rays), &mut hits, Walk::Packets);
+    bvh.closest_hits(black_box(&rays), &mut hits, Walk::Auto);
     black_box(hits)
 }
 
@@ -53,7 +53,7 @@ fn any_single((bvh, rays, mut occluded): (MeshBvh, Vec<Ray>, Vec<bool>)) -> Vec<
 #[library_benchmark]
 #[bench::shadow(built(shadow, false))]
 fn any_packets((bvh, rays, mut occluded): (MeshBvh, Vec<Ray>, Vec<bool>)) -> Vec<bool> {
-    bvh.any_hits(black_box(&rays), &mut occluded, Walk::Packets);
+    bvh.any_hits(black_box(&rays), &mut occluded, Walk::Auto);
     black_box(occluded)
 }
 

@@ -38,7 +38,6 @@ pub trait Structure: Send + Sync {
 pub enum Way {
     Single,
     Packets,
-    Auto,
 }
 
 /// A name on the command line: a structure and a way to trace it.
@@ -80,8 +79,6 @@ pub const PEERS: &[Peer] = &[
     peer("umbriel-high", HIGH, Way::Single),
     peer("umbriel-packets", FAST, Way::Packets),
     peer("umbriel-high-packets", HIGH, Way::Packets),
-    peer("umbriel-auto", FAST, Way::Auto),
-    peer("umbriel-high-auto", HIGH, Way::Auto),
     peer("embree", EMBREE, Way::Single),
     peer("embree-high", EMBREE_HIGH, Way::Single),
     peer(REFERENCE, EMBREE_ROBUST, Way::Single),
@@ -150,8 +147,7 @@ impl Structure for MeshBvh {
 fn walk(way: Way) -> Walk {
     match way {
         Way::Single => Walk::Single,
-        Way::Packets => Walk::Packets,
-        Way::Auto => Walk::Auto,
+        Way::Packets => Walk::Auto,
     }
 }
 

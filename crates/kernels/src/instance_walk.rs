@@ -1,10 +1,10 @@
 //! How rays walk a tree over instances: sixteen at a time, as packets where they keep together.
 
-use crate::bvh::{Child, Stack, Visit};
+use crate::bvh::{Child, Order, Stack, Visit};
 use crate::instance_visit::{Seekers, Shadows};
 use crate::instances::{Filter, Inner, InstanceBvh, Scratch};
-use crate::mesh_walk::{lanes_of, packet_of};
-use crate::simd::{BoxRay, PacketBoxes, Rays16};
+use crate::mesh_walk::{Party, divide, lanes_of};
+use crate::simd::{BoxRay, PacketBoxes, RayLanes, Rays16};
 use crate::{Hit, Ray, Walk};
 use fearless_simd::{Simd, f32x16, prelude::*};
 
@@ -30,43 +30,44 @@ impl InstanceBvh {
             hits,
             filter,
         };
-        let mut left = ready.ways.sound;
+        let (ways, lanes) = (ready.ways, ready.lanes());
         for &k in &self.unbounded {
-            self.closest_in(simd, k, left, &mut seekers, &mut scratch.inner);
+            self.closest_in(simd, k, ways.sound, &mut seekers, &mut scratch.inner);
         }
-        let lanes = ready.lanes();
-        while left != 0 {
-            let one = left.trailing_zeros() as usize & 15;
-            let like = packet_of(Walk::Auto, left, &ready, one);
-            if like != 0 {
-                left &= !like;
-                self.closest_packet(simd, &ready, one, like, &mut seekers, scratch);
-            } else {
-                left &= left - 1;
-                let Scratch { stacks, inner } = scratch;
-                let (box_ray, stack) = (lanes.box_ray(one), &mut stacks.single);
-                self.closest_alone(simd, &box_ray, one, Child::ROOT, &mut seekers, stack, inner);
-            }
-        }
+        divide(
+            Walk::Auto,
+            ways,
+            ways.sound,
+            #[inline(always)]
+            |party| match party {
+                Party::Packet(one, like) => {
+                    let boxes = PacketBoxes::new(simd, &ready, one, like);
+                    self.closest_packet(simd, &boxes, &lanes, like, &mut seekers, scratch);
+                }
+                Party::Alone(i) => {
+                    let Scratch { stacks, inner } = scratch;
+                    let (box_ray, stack) = (lanes.box_ray(i), &mut stacks.single);
+                    self.closest_alone(simd, &box_ray, i, Child::ROOT, &mut seekers, stack, inner);
+                }
+            },
+        );
     }
 
     #[inline(always)]
     fn closest_packet<S: Simd>(
         &self,
         simd: S,
-        ready: &Rays16<S>,
-        one: usize,
+        boxes: &PacketBoxes<S>,
+        lanes: &RayLanes,
         members: u32,
         seekers: &mut Seekers,
         scratch: &mut Scratch,
     ) {
-        let boxes = PacketBoxes::new(simd, ready, one, members);
         let t_max = f32x16::simd_from(simd, seekers.t_max);
-        let lanes = ready.lanes();
         let Scratch { stacks, inner } = scratch;
         self.tree.walk_packet(
-            &boxes,
-            true,
+            boxes,
+            Order::Nearest,
             members,
             t_max,
             &mut stacks.packet,
@@ -139,24 +140,27 @@ impl InstanceBvh {
             met: 0,
             filter,
         };
+        let (ways, lanes) = (ready.ways, ready.lanes());
         for &k in &self.unbounded {
-            self.any_in(simd, k, ready.ways.sound, &mut shadows, &mut scratch.inner);
+            self.any_in(simd, k, ways.sound, &mut shadows, &mut scratch.inner);
         }
-        let lanes = ready.lanes();
-        let mut left = ready.ways.sound & !shadows.met;
-        while left != 0 {
-            let one = left.trailing_zeros() as usize & 15;
-            let like = packet_of(Walk::Auto, left, &ready, one);
-            if like != 0 {
-                left &= !like;
-                self.any_packet(simd, &ready, one, like, &mut shadows, scratch);
-            } else {
-                left &= left - 1;
-                let Scratch { stacks, inner } = scratch;
-                let (box_ray, stack) = (lanes.box_ray(one), &mut stacks.single);
-                self.any_alone(simd, &box_ray, one, Child::ROOT, &mut shadows, stack, inner);
-            }
-        }
+        divide(
+            Walk::Auto,
+            ways,
+            ways.sound & !shadows.met,
+            #[inline(always)]
+            |party| match party {
+                Party::Packet(one, like) => {
+                    let boxes = PacketBoxes::new(simd, &ready, one, like);
+                    self.any_packet(simd, &boxes, &lanes, like, &mut shadows, scratch);
+                }
+                Party::Alone(i) => {
+                    let Scratch { stacks, inner } = scratch;
+                    let (box_ray, stack) = (lanes.box_ray(i), &mut stacks.single);
+                    self.any_alone(simd, &box_ray, i, Child::ROOT, &mut shadows, stack, inner);
+                }
+            },
+        );
         for i in lanes_of(shadows.met) {
             occluded[i] = true;
         }
@@ -166,20 +170,19 @@ impl InstanceBvh {
     fn any_packet<S: Simd>(
         &self,
         simd: S,
-        ready: &Rays16<S>,
-        one: usize,
+        boxes: &PacketBoxes<S>,
+        lanes: &RayLanes,
         members: u32,
         shadows: &mut Shadows,
         scratch: &mut Scratch,
     ) {
-        let boxes = PacketBoxes::new(simd, ready, one, members);
-        let lanes = ready.lanes();
+        let t_max = boxes.ends();
         let Scratch { stacks, inner } = scratch;
         self.tree.walk_packet(
-            &boxes,
-            false,
+            boxes,
+            Order::Smallest,
             members,
-            ready.t_max,
+            t_max,
             &mut stacks.packet,
             #[inline(always)]
             |visit, here, _| {
@@ -196,7 +199,7 @@ impl InstanceBvh {
                         }
                     }
                 }
-                (shadows.met, ready.t_max)
+                (shadows.met, t_max)
             },
         );
     }

@@ -1,6 +1,6 @@
 //! A triangle mesh made ready for rays.
 
-use crate::build::{Leaves, build_binned, build_spatial, excess_boxes};
+use crate::build::{BinaryTree, Leaves, build_binned, build_spatial, excess_boxes};
 use crate::bvh::{Stacks, Tree};
 use crate::simd::{RAYS, TriangleLeaves};
 use crate::{Ray, Triangle, VectorUnit};
@@ -27,8 +27,6 @@ pub enum Walk {
     Auto,
     /// One ray after the other.
     Single,
-    /// Sixteen neighbouring rays at a time.
-    Packets,
 }
 
 /// Where a ray meets a mesh.
@@ -49,8 +47,6 @@ pub struct MeshHit {
 pub struct MeshBvh {
     pub(crate) tree: Tree,
     pub(crate) leaves: TriangleLeaves,
-    /// Numbers of the triangles, leaf by leaf.
-    pub(crate) items: Vec<u32>,
     dropped: usize,
     unit: VectorUnit,
 }
@@ -75,6 +71,29 @@ const NOWHERE: Triangle = Triangle {
     c: Vec3::NAN,
 };
 
+fn binary_tree(
+    n: usize,
+    triangle: impl Fn(usize) -> Triangle + Sync,
+    quality: BuildQuality,
+) -> BinaryTree {
+    let solid = |i: usize| {
+        Some(triangle(i))
+            .filter(Triangle::is_solid)
+            .unwrap_or(NOWHERE)
+    };
+    let bounds = |i: usize| solid(i).bounds();
+    let cut = match quality {
+        BuildQuality::Auto => excess_boxes(n, solid) > MUCH_EXCESS,
+        BuildQuality::Fast => false,
+        BuildQuality::High => true,
+    };
+    if cut {
+        build_spatial(n, bounds, &triangle, SPARE, &LEAVES)
+    } else {
+        build_binned(n, bounds, &LEAVES)
+    }
+}
+
 impl MeshBvh {
     /// The most triangles that a mesh can have.
     pub const MOST_TRIANGLES: usize = 100_000_000;
@@ -97,36 +116,14 @@ impl MeshBvh {
             let [a, b, c] = indices[i].map(corner);
             Triangle { a, b, c }
         };
-        let solid = |i: usize| {
-            Some(triangle(i))
-                .filter(Triangle::is_solid)
-                .unwrap_or(NOWHERE)
-        };
-        let cut = match quality {
-            BuildQuality::Auto => excess_boxes(indices.len(), solid) > MUCH_EXCESS,
-            BuildQuality::Fast => false,
-            BuildQuality::High => true,
-        };
-        let binary = if cut {
-            build_spatial(
-                indices.len(),
-                |i| solid(i).bounds(),
-                triangle,
-                SPARE,
-                &LEAVES,
-            )
-        } else {
-            build_binned(indices.len(), |i| solid(i).bounds(), &LEAVES)
-        };
-        let tree = Tree::new(&binary);
-        let items = binary.items;
-        let leaves = TriangleLeaves::new(tree.leaves().collect(), &items, triangle);
+        let binary = binary_tree(indices.len(), triangle, quality);
+        let mut tree = Tree::new(&binary);
+        let leaves = TriangleLeaves::new(&mut tree, &binary.items, triangle);
         let mut held = vec![false; indices.len()];
-        items.iter().for_each(|&i| held[i as usize] = true);
+        leaves.primitives().for_each(|i| held[i as usize] = true);
         Self {
             tree,
             leaves,
-            items,
             dropped: held.iter().filter(|&&held| !held).count(),
             unit: VectorUnit::default(),
         }
@@ -139,7 +136,7 @@ impl MeshBvh {
 
     /// Bytes on the heap.
     pub fn memory(&self) -> usize {
-        self.tree.memory() + self.leaves.memory() + self.items.capacity() * size_of::<u32>()
+        self.tree.memory() + self.leaves.memory()
     }
 
     /// Number of triangles that no ray can hit, because they have no area, or a corner that is not finite or not there.

@@ -34,7 +34,7 @@ fn every_walk_equals_the_loop() {
             let bvh = MeshBvh::build(&mesh.positions, &mesh.indices, quality);
             for unit in VectorUnit::available() {
                 let bvh = bvh.clone().with_unit(unit);
-                for walk in [Walk::Auto, Walk::Single, Walk::Packets] {
+                for walk in [Walk::Auto, Walk::Single] {
                     let mut hits = vec![None; rays.len()];
                     bvh.closest_hits(&rays, &mut hits, walk);
                     assert_eq!(hits, expected, "{n} {quality:?} {unit:?} {walk:?}");

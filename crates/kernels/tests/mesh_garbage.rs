@@ -9,7 +9,7 @@ use umbriel_kernels::glam::{DVec3, Vec3};
 use umbriel_kernels::{BuildQuality, Interval, MeshBvh, Ray, Triangle, VectorUnit, Walk};
 
 const QUALITIES: [BuildQuality; 2] = [BuildQuality::Fast, BuildQuality::High];
-const WALKS: [Walk; 3] = [Walk::Auto, Walk::Single, Walk::Packets];
+const WALKS: [Walk; 2] = [Walk::Auto, Walk::Single];
 
 /// A number of any kind: random bits, bits of a small range of exponents, or one of the special ones.
 fn number(random: &mut Random) -> f32 {

@@ -121,7 +121,7 @@ fn no_ray_gets_out_of_a_closed_mesh() {
         for quality in QUALITIES {
             let bvh = MeshBvh::build(&mesh.positions, &mesh.indices, quality);
             assert_eq!(bvh.dropped(), 0, "{name}");
-            for walk in [Walk::Single, Walk::Packets] {
+            for walk in [Walk::Single, Walk::Auto] {
                 seed += 1;
                 let lost = lost(&bvh, &mesh, seed, each, walk, inside);
                 println!("{name} {quality:?} {walk:?}: {each} rays, {lost:?} lost");
@@ -150,7 +150,7 @@ fn no_ray_gets_out_on_any_vector_unit() {
             let bvh = MeshBvh::build(&mesh.positions, &mesh.indices, quality);
             for (i, unit) in VectorUnit::available().into_iter().enumerate() {
                 let bvh = bvh.clone().with_unit(unit);
-                for walk in [Walk::Single, Walk::Packets, Walk::Auto] {
+                for walk in [Walk::Single, Walk::Auto] {
                     let lost = lost(&bvh, &mesh, 100 + i as u64, each, walk, inside);
                     assert_eq!(lost, [0; 2], "{name} {quality:?} {unit:?} {walk:?}");
                 }
@@ -166,7 +166,7 @@ fn next_to_no_ray_gets_out_far_from_the_origin() {
         let mesh = mesh.moved(2.0, FAR);
         for quality in QUALITIES {
             let bvh = MeshBvh::build(&mesh.positions, &mesh.indices, quality);
-            for walk in [Walk::Single, Walk::Packets] {
+            for walk in [Walk::Single, Walk::Auto] {
                 let origin = |random: &mut Random| 2.0 * inside(random) + FAR;
                 let lost = lost(&bvh, &mesh, 7, each, walk, origin);
                 let dropped = bvh.dropped();

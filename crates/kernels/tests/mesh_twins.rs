@@ -15,7 +15,7 @@ fn check(name: &str, mesh: &Mesh, rays: &[Ray]) {
         let bvh = MeshBvh::build(&mesh.positions, &mesh.indices, quality);
         for unit in VectorUnit::available() {
             let bvh = bvh.clone().with_unit(unit);
-            for walk in [Walk::Auto, Walk::Single, Walk::Packets] {
+            for walk in [Walk::Auto, Walk::Single] {
                 let mut hits = vec![None; rays.len()];
                 let mut any = vec![false; rays.len()];
                 bvh.closest_hits(rays, &mut hits, walk);

@@ -37,7 +37,7 @@ pub(crate) fn fold(binary: &[BinaryNode]) -> Vec<Node> {
         } else {
             members.push(top);
         }
-        // A walk to any hit takes the largest first: it is likeliest to be in the way.
+        // A ray on its way to any hit takes the largest first: it is likeliest to be in the way. Packets take the smallest first.
         members.sort_by(|&a, &b| area(binary, b).total_cmp(&area(binary, a)));
         let mut node = Node::EMPTY;
         for (place, &member) in members.iter().enumerate() {

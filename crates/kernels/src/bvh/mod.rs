@@ -9,7 +9,7 @@ use crate::Aabb;
 use crate::build::BinaryTree;
 use fold::fold;
 pub(crate) use node::{Child, Node, WIDTH};
-pub(crate) use packet_walk::{PacketStack, Visit};
+pub(crate) use packet_walk::{Order, PacketStack, Visit};
 pub(crate) use walk::Stack;
 
 /// The boxes of a hierarchy; what its leaves' items are is the owner's business.
@@ -35,12 +35,14 @@ impl Tree {
         self.nodes.capacity() * size_of::<Node>()
     }
 
-    /// Calls `visit` with every leaf.
-    pub(crate) fn leaves(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let used = |child: &&Child| child.is_leaf() && **child != Child::NOTHING;
-        self.nodes
-            .iter()
-            .flat_map(move |node| node.children.iter().filter(used).map(|child| child.items()))
+    /// Puts what `place` makes of a leaf's first item and number of items in the place of the first item, node after node.
+    pub(crate) fn place_leaves(&mut self, mut place: impl FnMut(usize, usize) -> usize) {
+        for child in self.nodes.iter_mut().flat_map(|node| &mut node.children) {
+            if child.is_leaf() && *child != Child::NOTHING {
+                let (first, n) = child.items();
+                *child = Child::leaf(place(first, n) as u32, n as u32);
+            }
+        }
     }
 }
 

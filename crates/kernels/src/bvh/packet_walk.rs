@@ -1,7 +1,8 @@
 //! How sixteen rays that keep together walk the tree.
 
-use super::node::Child;
-use super::{Tree, walk::PLACES};
+use super::Tree;
+use super::node::{Child, Node};
+use super::walk::{Entries, PLACES, insert};
 use crate::simd::PacketBoxes;
 use fearless_simd::{Simd, f32x16};
 
@@ -10,7 +11,7 @@ const FEW: u32 = 2;
 
 /// Boxes still to be tested, as sixteen times the node and the place in it, and where the first ray may enter.
 #[derive(Clone, Debug)]
-pub(crate) struct PacketStack(Box<[(f32, u32); PLACES]>);
+pub(crate) struct PacketStack(Box<Entries>);
 
 impl Default for PacketStack {
     fn default() -> Self {
@@ -18,24 +19,33 @@ impl Default for PacketStack {
     }
 }
 
+/// Which of a node's boxes comes first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Order {
+    /// Where the nearest hit is sought.
+    Nearest,
+    /// Where any hit will do: leaves come soonest. The largest first takes 5 to 15 % longer.
+    Smallest,
+}
+
 /// What is left to do for some rays of a packet at one child.
 pub(crate) enum Visit {
-    /// Test the items of a leaf.
+    /// Test a leaf, by what the tree has of it.
     Leaf((usize, usize)),
     /// Walk on from a node, ray by ray.
     Alone(Child),
 }
 
 impl Tree {
-    /// Calls `visit` for each child whose box some of the `members` meet, with those rays and the greatest of
-    /// the members' ends, nearer boxes first.
+    /// Calls `visit` for each leaf whose box some of the `members` meet, and each node whose box only a few meet, with those rays and
+    /// the greatest of the members' ends.
     ///
-    /// `visit` lowers `t_max` where it finds hits. Rays that `visit` takes out of `members` are done.
+    /// `visit` gives the rays that are done and the ends of all, lowered where it finds hits.
     #[inline(always)]
     pub(crate) fn walk_packet<S: Simd>(
         &self,
         boxes: &PacketBoxes<S>,
-        sorted: bool,
+        order: Order,
         mut members: u32,
         mut t_max: f32x16<S>,
         stack: &mut PacketStack,
@@ -45,54 +55,60 @@ impl Tree {
             return;
         }
         let stack = &mut *stack.0;
-        let mut top = 0;
-        let mut number = 0;
         let mut furthest = boxes.greatest(t_max, members);
-        'node: loop {
-            let node = &self.nodes[number];
-            let (mut hits, keys) = boxes.meet_any(&node.bounds, furthest);
-            let keys: [f32; 16] = keys.into();
-            let base = top;
-            while hits != 0 {
-                let i = hits.trailing_zeros() as usize & 15;
-                hits &= hits - 1;
-                let entry = (keys[i], (number * 16 + i) as u32);
-                let mut place = top;
-                while sorted && place > base && stack[(place - 1) % PLACES].0 < entry.0 {
-                    stack[place % PLACES] = stack[(place - 1) % PLACES];
-                    place -= 1;
-                }
-                stack[place % PLACES] = entry;
-                top += 1;
+        let mut top = push(boxes, order, (0, &self.nodes[0]), furthest, stack, 0);
+        while top > 0 && members != 0 {
+            top -= 1;
+            let (key, slot) = stack[top % PLACES];
+            if key > furthest {
+                continue;
             }
-            loop {
-                if top == 0 || members == 0 {
-                    return;
-                }
-                top -= 1;
-                let (key, slot) = stack[top % PLACES];
-                if key > furthest {
-                    continue;
-                }
-                let (node, place) = (&self.nodes[slot as usize / 16], slot as usize % 16);
-                let here = boxes.meet_box(node, place, t_max) & members;
-                if here == 0 {
-                    continue;
-                }
-                let child = node.children[place];
-                let next = if child.is_leaf() {
-                    Visit::Leaf(child.items())
-                } else if here.count_ones() <= FEW {
-                    Visit::Alone(child)
-                } else {
-                    number = child.0 as usize;
-                    continue 'node;
-                };
-                let (done, ends) = visit(next, here, furthest);
-                members &= !done;
-                t_max = ends;
-                furthest = boxes.greatest(t_max, members);
+            let (node, place) = (&self.nodes[slot as usize / 16], slot as usize % 16);
+            let here = boxes.meet_box(node, place, t_max) & members;
+            if here == 0 {
+                continue;
             }
+            let child = node.children[place];
+            let next = if child.is_leaf() {
+                Visit::Leaf(child.items())
+            } else if here.count_ones() <= FEW {
+                Visit::Alone(child)
+            } else {
+                let node = &self.nodes[child.0 as usize];
+                top = push(boxes, order, (child.0, node), furthest, stack, top);
+                continue;
+            };
+            let (done, ends) = visit(next, here, furthest);
+            members &= !done;
+            t_max = ends;
+            furthest = boxes.greatest(t_max, members);
         }
     }
+}
+
+/// Puts the boxes of a node that some rays may meet on the stack; gives the new top.
+#[inline(always)]
+fn push<S: Simd>(
+    boxes: &PacketBoxes<S>,
+    order: Order,
+    (number, node): (u32, &Node),
+    furthest: f32,
+    stack: &mut Entries,
+    base: usize,
+) -> usize {
+    let (mut hits, keys) = boxes.meet_any(&node.bounds, furthest);
+    let keys: [f32; 16] = keys.into();
+    let mut top = base;
+    while hits != 0 {
+        let i = hits.trailing_zeros() as usize & 15;
+        hits &= hits - 1;
+        let entry = (keys[i], number * 16 + i as u32);
+        match order {
+            Order::Nearest => insert(stack, base, top, entry),
+            // The smallest stands last in the node.
+            Order::Smallest => stack[top % PLACES] = entry,
+        }
+        top += 1;
+    }
+    top
 }

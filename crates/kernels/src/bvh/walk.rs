@@ -1,37 +1,56 @@
 //! How one ray walks the tree.
 
 use super::Tree;
-use super::node::{Child, WIDTH};
+use super::node::{Child, Node, WIDTH};
+use crate::build::SAH_DEPTH;
 use crate::simd::BoxRay;
-use fearless_simd::{Simd, mask32x16, prelude::*, u32x16};
+use fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
+use std::ops::Range;
 
-/// Places on the stack: 64 levels, each leaving at most fifteen of its sixteen children.
+/// Places on a stack. A level of the tree leaves at most fifteen of its sixteen children there, the last one all of them.
 pub(super) const PLACES: usize = 1024;
+
+// Below the levels of the heuristic items are halved, once for each bit of their number at most.
+const _: () = assert!((SAH_DEPTH + 32) * (WIDTH - 1) + WIDTH <= PLACES);
+
+/// What is still to be visited, as a number, and where the rays may enter it.
+pub(super) type Entries = [(f32, u32); PLACES];
+
+/// Puts an entry below those from `base` to `top` that are nearer.
+#[inline(always)]
+pub(super) fn insert(stack: &mut Entries, base: usize, top: usize, entry: (f32, u32)) {
+    let mut place = top;
+    while place > base && stack[(place - 1) % PLACES].0 < entry.0 {
+        stack[place % PLACES] = stack[(place - 1) % PLACES];
+        place -= 1;
+    }
+    stack[place % PLACES] = entry;
+}
 
 /// Nodes tested for any hit before the leaves that they found.
 const ROUND: usize = 3;
 
-/// Children still to be visited, and where the ray enters them. Kept from ray to ray.
+/// Children still to be visited. Kept from ray to ray.
 #[derive(Clone, Debug)]
 pub(crate) struct Stack {
-    entries: Box<[(f32, Child); PLACES]>,
-    /// Nodes and leaves on the way to any hit.
-    nodes: Vec<u32>,
-    leaves: Box<[u32; ROUND * WIDTH]>,
+    entries: Box<Entries>,
+    queue: Queue,
 }
 
 impl Default for Stack {
     fn default() -> Self {
         Self {
-            entries: Box::new([(0.0, Child::NOTHING); PLACES]),
-            nodes: vec![0; PLACES],
-            leaves: Box::new([0; ROUND * WIDTH]),
+            entries: Box::new([(0.0, 0); PLACES]),
+            queue: Queue {
+                nodes: vec![0; PLACES],
+                leaves: Box::new([0; ROUND * WIDTH]),
+            },
         }
     }
 }
 
 impl Tree {
-    /// Calls `leaf` with the range of items of every leaf under `from` whose box the ray meets, nearer boxes first.
+    /// Calls `leaf` with what the tree has of every leaf under the node `from` whose box the ray meets, nearer boxes first.
     ///
     /// `leaf` lowers the end of the interval when it finds a hit, so that boxes behind it are skipped. Boxes that begin exactly there
     /// are still visited: among hits at equal `t` the closure applies its own rule.
@@ -57,65 +76,19 @@ impl Tree {
             } else {
                 let node = &self.nodes[child.0 as usize];
                 let (hits, t_near) = box_ray.meet(simd, node, *t_max);
-                let mut hits = hits.to_bitmask() as u32;
-                if hits != 0 {
-                    let first = hits.trailing_zeros() as usize & 15;
-                    hits &= hits - 1;
-                    if hits == 0 {
-                        child = node.children[first];
-                        continue;
-                    }
-                    let t_near: [f32; 16] = t_near.into();
-                    let second = hits.trailing_zeros() as usize & 15;
-                    hits &= hits - 1;
-                    let base = top;
-                    let mut nearest = (t_near[first], node.children[first]);
-                    let mut further = (t_near[second], node.children[second]);
-                    if further.0 < nearest.0 {
-                        (further, nearest) = (nearest, further);
-                    }
-                    stack[top % PLACES] = further;
-                    top += 1;
-                    child = nearest.1;
-                    if hits == 0 {
-                        continue;
-                    }
-                    while hits != 0 {
-                        let i = hits.trailing_zeros() as usize & 15;
-                        hits &= hits - 1;
-                        let mut entry = (t_near[i], node.children[i]);
-                        if entry.0 < nearest.0 {
-                            (entry, nearest) = (nearest, entry);
-                        }
-                        // Insertion from the top: the nearest comes to lie uppermost.
-                        let mut place = top;
-                        while place > base && stack[(place - 1) % PLACES].0 < entry.0 {
-                            stack[place % PLACES] = stack[(place - 1) % PLACES];
-                            place -= 1;
-                        }
-                        stack[place % PLACES] = entry;
-                        top += 1;
-                    }
-                    child = nearest.1;
+                if let Some(nearest) = nearest(node, hits, t_near, stack, &mut top) {
+                    child = nearest;
                     continue;
                 }
             }
-            // The ray may have been shortened since a box was found.
-            loop {
-                if top == 0 {
-                    return;
-                }
-                top -= 1;
-                let (t_near, next) = stack[top % PLACES];
-                if t_near <= *t_max {
-                    child = next;
-                    break;
-                }
+            match next(stack, &mut top, *t_max) {
+                Some(next) => child = next,
+                None => return,
             }
         }
     }
 
-    /// Tells whether `leaf` says true for any leaf under `from` whose box the ray meets; stops at the first.
+    /// Tells whether `leaf` says true for any leaf under the node `from` whose box the ray meets; stops at the first.
     ///
     /// Nodes are taken in the order in which they were found: which comes next does not depend on what the test of this one
     /// finds, so that the processor has several in work. Leaves wait until a round of nodes is done.
@@ -132,39 +105,118 @@ impl Tree {
         if self.nodes.is_empty() {
             return false;
         }
-        if from.is_leaf() {
-            return leaf(from.items());
-        }
-        let Stack { nodes, leaves, .. } = stack;
-        nodes[0] = from.0;
-        let (mut head, mut tail) = (0, 1);
-        loop {
-            let mut waiting = 0;
-            let round = tail.min(head + ROUND);
-            while head < round {
-                let node = &self.nodes[nodes[head] as usize];
-                head += 1;
-                let (met, _) = box_ray.meet(simd, node, t_max);
-                let children = u32x16::simd_from(simd, node.children.map(|child| child.0));
-                let is_leaf = children.simd_ge(u32x16::splat(simd, Child::LEAF));
-                let (inner, outer) = (met & !is_leaf, met & is_leaf);
-                waiting += append(&mut **leaves, waiting, children, outer);
-                tail += append(nodes, tail, children, inner);
-            }
-            for &child in &leaves[..waiting] {
+        let queue = &mut stack.queue;
+        queue.nodes[0] = from.0;
+        let mut open = 0..1;
+        while !open.is_empty() {
+            queue.make_room(&mut open);
+            let waiting = self.find_leaves(simd, box_ray, t_max, queue, &mut open);
+            for &child in &queue.leaves[..waiting] {
                 if leaf(Child(child).items()) {
                     return true;
                 }
             }
-            if head == tail {
-                return false;
-            }
-            if tail + ROUND * WIDTH > nodes.len() {
-                nodes.copy_within(head..tail, 0);
-                (head, tail) = (0, tail - head);
-                if tail + ROUND * WIDTH > nodes.len() {
-                    nodes.resize(2 * nodes.len(), 0);
-                }
+        }
+        false
+    }
+
+    /// Tests a round of the `open` nodes; gives the number of leaves found.
+    #[inline(always)]
+    fn find_leaves<S: Simd>(
+        &self,
+        simd: S,
+        ray: &BoxRay,
+        t_max: f32,
+        queue: &mut Queue,
+        open: &mut Range<usize>,
+    ) -> usize {
+        let mut waiting = 0;
+        let round = open.end.min(open.start + ROUND);
+        while open.start < round {
+            let node = &self.nodes[queue.nodes[open.start] as usize];
+            open.start += 1;
+            let (met, _) = ray.meet(simd, node, t_max);
+            let children = u32x16::simd_from(simd, node.children.map(|child| child.0));
+            let is_leaf = children.simd_ge(u32x16::splat(simd, Child::LEAF));
+            let (inner, leaves) = (met & !is_leaf, met & is_leaf);
+            waiting += append(&mut *queue.leaves, waiting, children, leaves);
+            open.end += append(&mut queue.nodes, open.end, children, inner);
+        }
+        waiting
+    }
+}
+
+/// Puts the children of `hits` on the stack, further ones lower, but for the nearest, which it gives.
+#[inline(always)]
+fn nearest<S: Simd>(
+    node: &Node,
+    hits: mask32x16<S>,
+    t_near: f32x16<S>,
+    stack: &mut Entries,
+    top: &mut usize,
+) -> Option<Child> {
+    let mut hits = hits.to_bitmask() as u32;
+    if hits == 0 {
+        return None;
+    }
+    let first = hits.trailing_zeros() as usize & 15;
+    hits &= hits - 1;
+    if hits == 0 {
+        return Some(node.children[first]);
+    }
+    let t_near: [f32; 16] = t_near.into();
+    let second = hits.trailing_zeros() as usize & 15;
+    hits &= hits - 1;
+    let base = *top;
+    let mut nearest = (t_near[first], node.children[first].0);
+    let mut further = (t_near[second], node.children[second].0);
+    if further.0 < nearest.0 {
+        (further, nearest) = (nearest, further);
+    }
+    stack[base % PLACES] = further;
+    *top += 1;
+    while hits != 0 {
+        let i = hits.trailing_zeros() as usize & 15;
+        hits &= hits - 1;
+        let mut entry = (t_near[i], node.children[i].0);
+        if entry.0 < nearest.0 {
+            (entry, nearest) = (nearest, entry);
+        }
+        insert(stack, base, *top, entry);
+        *top += 1;
+    }
+    Some(Child(nearest.1))
+}
+
+/// Takes the uppermost child from the stack that is not behind `t_max`, by which the ray may have been shortened since.
+#[inline(always)]
+fn next(stack: &Entries, top: &mut usize, t_max: f32) -> Option<Child> {
+    while *top > 0 {
+        *top -= 1;
+        let (t_near, child) = stack[*top % PLACES];
+        if t_near <= t_max {
+            return Some(Child(child));
+        }
+    }
+    None
+}
+
+/// Nodes and leaves on the way to any hit.
+#[derive(Clone, Debug)]
+struct Queue {
+    nodes: Vec<u32>,
+    leaves: Box<[u32; ROUND * WIDTH]>,
+}
+
+impl Queue {
+    /// For the children of a round of nodes; the `open` ones move to the front.
+    #[inline(always)]
+    fn make_room(&mut self, open: &mut Range<usize>) {
+        if open.end + ROUND * WIDTH > self.nodes.len() {
+            self.nodes.copy_within(open.clone(), 0);
+            *open = 0..open.len();
+            if open.end + ROUND * WIDTH > self.nodes.len() {
+                self.nodes.resize(2 * self.nodes.len(), 0);
             }
         }
     }

@@ -5,7 +5,7 @@ mod single;
 
 use crate::bvh::{Child, Stacks};
 use crate::mesh_bvh::{MeshBvh, MeshHit, Walk};
-use crate::simd::{HitLanes, RayLanes, Rays16};
+use crate::simd::{HitLanes, RayLanes, Rays16, Ways};
 use crate::{Interval, Ray, ShearedRay, Triangle, TriangleHit, intersect_triangle_sheared};
 use fearless_simd::Simd;
 
@@ -56,17 +56,28 @@ pub(crate) fn lanes_of(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The rays of `left` that make a packet with ray `one`; none if they are too few.
+/// Some rays of a batch, by what they do.
+pub(crate) enum Party {
+    /// These keep together with the first, which is one of them.
+    Packet(usize, u32),
+    Alone(usize),
+}
+
+/// Divides the rays `left` into packets, where the walk allows them and enough rays keep together, and single rays.
 #[inline(always)]
-pub(crate) fn packet_of<S: Simd>(walk: Walk, left: u32, ready: &Rays16<S>, one: usize) -> u32 {
-    if walk == Walk::Single {
-        return 0;
+pub(crate) fn divide(walk: Walk, ways: Ways, mut left: u32, mut each: impl FnMut(Party)) {
+    let mut open = if walk == Walk::Auto { left } else { 0 };
+    while open.count_ones() >= LEAST_PACKET {
+        let one = open.trailing_zeros() as usize & 15;
+        let like = open & ways.like(one) & ways.in_range;
+        open &= !(like | 1 << one);
+        if like.count_ones() >= LEAST_PACKET {
+            left &= !like;
+            each(Party::Packet(one, like));
+        }
     }
-    let like = left & ready.ways.like(one) & ready.ways.in_range;
-    if like.count_ones() >= LEAST_PACKET {
-        like
-    } else {
-        0
+    for i in lanes_of(left) {
+        each(Party::Alone(i));
     }
 }
 
@@ -104,20 +115,20 @@ impl MeshBvh {
             return;
         }
         let batch = Batch::new(simd, self, rays, keep);
-        let mut left = batch.ready.ways.sound;
-        while left != 0 {
-            let one = left.trailing_zeros() as usize & 15;
-            let like = packet_of(walk, left, &batch.ready, one);
-            if like != 0 {
-                left &= !like;
-                self.closest_packet(&batch, one, like, stacks, hits);
-            } else {
-                left &= left - 1;
-                let mut t_max = rays[one].t.max;
-                let stack = &mut stacks.single;
-                self.closest(&batch, one, Child::ROOT, &mut t_max, &mut hits[one], stack);
-            }
-        }
+        let ways = batch.ready.ways;
+        divide(
+            walk,
+            ways,
+            ways.sound,
+            #[inline(always)]
+            |party| match party {
+                Party::Packet(one, like) => self.closest_packet(&batch, one, like, stacks, hits),
+                Party::Alone(i) => {
+                    let (mut t_max, stack) = (rays[i].t.max, &mut stacks.single);
+                    self.closest(&batch, i, Child::ROOT, &mut t_max, &mut hits[i], stack);
+                }
+            },
+        );
     }
 
     /// Whether anything that `keep` says is there meets each of at most sixteen rays.
@@ -153,18 +164,19 @@ impl MeshBvh {
             return;
         }
         let batch = Batch::new(simd, self, rays, keep);
-        let mut left = batch.ready.ways.sound;
-        while left != 0 {
-            let one = left.trailing_zeros() as usize & 15;
-            let like = packet_of(walk, left, &batch.ready, one);
-            if like != 0 {
-                left &= !like;
-                self.any_packet(&batch, one, like, stacks, occluded);
-            } else {
-                left &= left - 1;
-                occluded[one] = self.any(&batch, one, Child::ROOT, &mut stacks.single);
-            }
-        }
+        let ways = batch.ready.ways;
+        divide(
+            walk,
+            ways,
+            ways.sound,
+            #[inline(always)]
+            |party| match party {
+                Party::Packet(one, like) => self.any_packet(&batch, one, like, stacks, occluded),
+                Party::Alone(i) => {
+                    occluded[i] = self.any(&batch, i, Child::ROOT, &mut stacks.single);
+                }
+            },
+        );
     }
 
     /// The hit of a lane with the triangle at a place of a leaf; where the lane is unsure, the slide decides.
@@ -182,7 +194,7 @@ impl MeshBvh {
         } else {
             parts.get(lane)
         };
-        let primitive = self.items[leaf.0 + place];
+        let primitive = self.leaves.primitive(leaf, place);
         Some(MeshHit { primitive, t, u, v })
     }
 }

@@ -1,7 +1,7 @@
 //! The rays of a batch that keep together walk a mesh as one.
 
 use super::{Batch, improve, lanes_of};
-use crate::bvh::{Stacks, Visit};
+use crate::bvh::{Order, Stacks, Visit};
 use crate::mesh_bvh::{MeshBvh, MeshHit};
 use crate::simd::{LaneHits, PacketBoxes, PacketHits, PacketLeaf};
 use fearless_simd::Simd;
@@ -24,7 +24,7 @@ impl MeshBvh {
         let Stacks { single, packet } = stacks;
         self.tree.walk_packet(
             &boxes,
-            true,
+            Order::Nearest,
             members,
             ready.t_max,
             packet,
@@ -68,7 +68,7 @@ impl MeshBvh {
         if batch.keep.is_some() {
             apart |= found.hit;
         } else if found.hit != 0 {
-            best.take(found, self.items[leaf.0 + k]);
+            best.take(found, self.leaves.primitive(leaf, k));
         }
         if apart == 0 {
             return;
@@ -100,7 +100,7 @@ impl MeshBvh {
         let Stacks { single, packet } = stacks;
         self.tree.walk_packet(
             &boxes,
-            false,
+            Order::Smallest,
             members,
             ready.t_max,
             packet,
@@ -169,6 +169,6 @@ impl MeshBvh {
         furthest: f32,
     ) -> impl Iterator<Item = usize> + use<S> {
         let (met, _) = boxes.meet_any(&self.leaves.boxes(simd, leaf), furthest);
-        lanes_of(met & ((1 << leaf.1) - 1))
+        lanes_of(met & self.leaves.mask(leaf))
     }
 }

@@ -69,11 +69,11 @@ fn pierce_leaf(
     leaf: (usize, usize),
     found: &mut Vec<Found>,
 ) {
-    for i in 0..leaf.1 {
+    for i in bvh.leaves.lanes(leaf) {
         if let Some(at) = needle.pierce(&bvh.leaves.triangle(leaf, i))
             && ray.t.contains(at.t as f32)
         {
-            let primitive = bvh.items[leaf.0 + i];
+            let primitive = bvh.leaves.primitive(leaf, i);
             found.push(Found { primitive, at });
         }
     }

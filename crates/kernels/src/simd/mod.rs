@@ -21,7 +21,7 @@ pub use lanes::{LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit, whole_vectors};
 pub(crate) use packet::PacketBoxes;
 pub(crate) use packet_hits::PacketHits;
 pub(crate) use packet_leaf::PacketLeaf;
-pub(crate) use rays16::{RAYS, RayLanes, Rays16};
+pub(crate) use rays16::{RAYS, RayLanes, Rays16, Ways};
 pub use surface_list::SurfaceList;
 pub(crate) use triangle_lanes::{HitLanes, LaneHits};
 pub(crate) use triangle_leaf::TriangleLeaves;

@@ -63,6 +63,12 @@ impl<'a, S: Simd> PacketBoxes<'a, S> {
         }
     }
 
+    /// Where the rays end.
+    #[inline(always)]
+    pub(crate) fn ends(&self) -> f32x16<S> {
+        self.rays.t_max
+    }
+
     /// A bit for each of sixteen boxes that any ray of the packet may meet before `t_max`, and lower bounds of the parameters of entry.
     #[inline(always)]
     pub(crate) fn meet_any(&self, boxes: &[[f32; WIDTH]; 6], t_max: f32) -> (u32, f32x16<S>) {

@@ -3,6 +3,7 @@
 use super::rays16::Rays16;
 use super::triangle_lanes::{Distances, LaneHits, ShearedLanes};
 use super::triangle_leaf::TriangleLeaves;
+use crate::bvh::WIDTH;
 use fearless_simd::{Simd, f32x16, prelude::*};
 
 /// The rays of a packet, sheared along the axis that is the longest of all of them.
@@ -41,11 +42,11 @@ impl<S: Simd> PacketLeaf<S> {
         members: u32,
         t_max: f32x16<S>,
     ) -> Option<LaneHits<S>> {
-        let (rows, n) = (leaves.rows(leaf), leaf.1);
+        let corners = &leaves.block(leaf).corners;
         let lanes = ShearedLanes {
-            a: self.shear(rows, n, place),
-            b: self.shear(rows, n, place + 3 * n),
-            c: self.shear(rows, n, place + 6 * n),
+            a: self.shear(&corners[0], place),
+            b: self.shear(&corners[1], place),
+            c: self.shear(&corners[2], place),
         };
         let t = Distances {
             min: self.t_min,
@@ -55,13 +56,19 @@ impl<S: Simd> PacketLeaf<S> {
         lanes.meet(self.simd, members, t)
     }
 
-    /// The sheared corner of which `corner` is the first component.
+    /// The sheared corner of the triangle at `place`.
     #[inline(always)]
-    fn shear(&self, rows: &[f32], n: usize, corner: usize) -> [f32x16<S>; 3] {
-        let [kx, ky, kz] = self.axes;
-        let x = f32x16::splat(self.simd, rows[corner + kx * n]) - self.origin[0];
-        let y = f32x16::splat(self.simd, rows[corner + ky * n]) - self.origin[1];
-        let z = f32x16::splat(self.simd, rows[corner + kz * n]) - self.origin[2];
+    fn shear(&self, corners: &[[f32; WIDTH]; 3], place: usize) -> [f32x16<S>; 3] {
+        let x = self.moved(corners, 0, place);
+        let y = self.moved(corners, 1, place);
+        let z = self.moved(corners, 2, place);
         [x - self.shear[0] * z, y - self.shear[1] * z, z]
+    }
+
+    /// A component of the corner relative to the origins.
+    #[inline(always)]
+    fn moved(&self, corners: &[[f32; WIDTH]; 3], axis: usize, place: usize) -> f32x16<S> {
+        let x = corners[self.axes[axis].min(2)][place % WIDTH];
+        f32x16::splat(self.simd, x) - self.origin[axis]
     }
 }

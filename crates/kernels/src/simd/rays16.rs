@@ -3,7 +3,7 @@
 use super::box_ray::{BoxRay, Slab, U};
 use super::triangle_leaf::LeafRay;
 use crate::{Aabb, Ray};
-use fearless_simd::{Simd, f32x8, f32x16, prelude::*};
+use fearless_simd::{Simd, f32x8, f32x16, mask32x16, prelude::*};
 
 /// Rays made ready at a time.
 pub(crate) const RAYS: usize = 16;
@@ -107,31 +107,16 @@ impl<S: Simd> Rays16<S> {
     #[inline(always)]
     pub(crate) fn new(simd: S, rays: &[Ray], bounds: Aabb, stretch: f32) -> Self {
         let [ox, oy, oz, dx, dy, dz, t_min, t_max] = transpose(simd, rays);
-        let [zero, one, infinity] = [
-            f32x16::splat(simd, 0.0),
-            f32x16::splat(simd, 1.0),
-            f32x16::splat(simd, f32::INFINITY),
-        ];
-        let (x, y, z) = (dx.abs(), dy.abs(), dz.abs());
-        let longer_y = y.simd_gt(x);
-        let xy = longer_y.select(y, x);
-        let longest_z = z.simd_gt(xy);
-        let longest = longest_z.select(z, xy);
-        let d_kz = longest_z.select(dz, longer_y.select(dy, dx));
-        let scale = one / d_kz;
+        let (origin, dir) = ([ox, oy, oz], [dx, dy, dz]);
+        let axis = LongestAxis::new(dir);
+        let d_kz = axis.of(dir);
+        let longest = d_kz.abs();
+        let scale = f32x16::splat(simd, 1.0) / d_kz;
+        let infinity = f32x16::splat(simd, f32::INFINITY);
         let sound = t_min.simd_lt(t_max)
-            & x.simd_lt(infinity)
-            & y.simd_lt(infinity)
-            & z.simd_lt(infinity)
-            & ox.abs().simd_lt(infinity)
-            & oy.abs().simd_lt(infinity)
-            & oz.abs().simd_lt(infinity)
-            & ox.abs()
-                .max(oy.abs())
-                .max(oz.abs())
-                .max(one)
-                .simd_lt(longest * f32x16::splat(simd, 2.0_f32.powi(86)))
-            & longest.simd_le(f32x16::splat(simd, 2.0_f32.powi(126)));
+            & are_finite(origin, infinity)
+            & are_finite(dir, infinity)
+            & are_in_proportion(simd, origin, longest);
 
         let reach = [
             reach(simd, ox, bounds.min.x, bounds.max.x),
@@ -140,38 +125,29 @@ impl<S: Simd> Rays16<S> {
         ];
         let more = reach[0].max(reach[1]).max(reach[2]) * f32x16::splat(simd, stretch);
         let reach = [reach[0] + more, reach[1] + more, reach[2] + more];
-        let reach_z = longest_z.select(reach[2], longer_y.select(reach[1], reach[0]));
-        let pad = reach_z * f32x16::splat(simd, 112.0 * U);
+        let pad = axis.of(reach) * f32x16::splat(simd, 112.0 * U);
         let least = longest * f32x16::splat(simd, 2.0_f32.powi(-40));
         let (nx, fx) = slabs(simd, ox, dx, reach[0], pad, least);
         let (ny, fy) = slabs(simd, oy, dy, reach[1], pad, least);
         let (nz, fz) = slabs(simd, oz, dz, reach[2], pad, least);
-        let in_range = nx.in_range(infinity)
-            & ny.in_range(infinity)
-            & nz.in_range(infinity)
-            & fx.in_range(infinity)
-            & fy.in_range(infinity)
-            & fz.in_range(infinity);
-        let ways = Ways {
-            backward: [
-                one.copysign(dx).simd_lt(zero).to_bitmask() as u32,
-                one.copysign(dy).simd_lt(zero).to_bitmask() as u32,
-                one.copysign(dz).simd_lt(zero).to_bitmask() as u32,
-            ],
-            longer_y: longer_y.to_bitmask() as u32,
-            longest_z: longest_z.to_bitmask() as u32,
-            sound: sound.to_bitmask() as u32 & ((1_u64 << rays.len().min(RAYS)) - 1) as u32,
-            in_range: in_range.to_bitmask() as u32,
-        };
+        let (near, far) = ([nx, ny, nz], [fx, fy, fz]);
+        let in_range = are_in_range(near, infinity) & are_in_range(far, infinity);
+        let used = ((1_u64 << rays.len().min(RAYS)) - 1) as u32;
         Self {
-            origin: [ox, oy, oz],
+            origin,
             slope: [dx / d_kz, dy / d_kz, dz / d_kz],
             scale,
-            near: [nx, ny, nz],
-            far: [fx, fy, fz],
+            near,
+            far,
             t_min,
             t_max,
-            ways,
+            ways: Ways {
+                backward: [backward(simd, dx), backward(simd, dy), backward(simd, dz)],
+                longer_y: axis.longer_y.to_bitmask() as u32,
+                longest_z: axis.longest_z.to_bitmask() as u32,
+                sound: sound.to_bitmask() as u32 & used,
+                in_range: in_range.to_bitmask() as u32,
+            },
         }
     }
 
@@ -218,6 +194,60 @@ impl<S: Simd> Rays16<S> {
     }
 }
 
+/// Along which axis each direction is the longest.
+struct LongestAxis<S: Simd> {
+    longer_y: mask32x16<S>,
+    longest_z: mask32x16<S>,
+}
+
+impl<S: Simd> LongestAxis<S> {
+    #[inline(always)]
+    fn new([dx, dy, dz]: [f32x16<S>; 3]) -> Self {
+        let (x, y, z) = (dx.abs(), dy.abs(), dz.abs());
+        let longer_y = y.simd_gt(x);
+        Self {
+            longer_y,
+            longest_z: z.simd_gt(longer_y.select(y, x)),
+        }
+    }
+
+    /// That component of each vector.
+    #[inline(always)]
+    fn of(&self, [x, y, z]: [f32x16<S>; 3]) -> f32x16<S> {
+        self.longest_z.select(z, self.longer_y.select(y, x))
+    }
+}
+
+#[inline(always)]
+fn are_finite<S: Simd>([x, y, z]: [f32x16<S>; 3], infinity: f32x16<S>) -> mask32x16<S> {
+    x.abs().simd_lt(infinity) & y.abs().simd_lt(infinity) & z.abs().simd_lt(infinity)
+}
+
+/// Directions of at most 2¹²⁶ along their longest axis, not shorter than 2⁻⁸⁶ times the origin or 1.
+#[inline(always)]
+fn are_in_proportion<S: Simd>(
+    simd: S,
+    [x, y, z]: [f32x16<S>; 3],
+    longest: f32x16<S>,
+) -> mask32x16<S> {
+    let furthest = x.abs().max(y.abs()).max(z.abs());
+    let furthest = furthest.max(f32x16::splat(simd, 1.0));
+    furthest.simd_lt(longest * f32x16::splat(simd, 2.0_f32.powi(86)))
+        & longest.simd_le(f32x16::splat(simd, 2.0_f32.powi(126)))
+}
+
+#[inline(always)]
+fn are_in_range<S: Simd>([x, y, z]: [Slab16<S>; 3], infinity: f32x16<S>) -> mask32x16<S> {
+    x.in_range(infinity) & y.in_range(infinity) & z.in_range(infinity)
+}
+
+/// Lanes with the sign bit.
+#[inline(always)]
+fn backward<S: Simd>(simd: S, d: f32x16<S>) -> u32 {
+    let sign = f32x16::splat(simd, 1.0).copysign(d);
+    sign.simd_lt(f32x16::splat(simd, 0.0)).to_bitmask() as u32
+}
+
 /// The greatest distance from the origin to the bounds along an axis.
 #[inline(always)]
 fn reach<S: Simd>(simd: S, origin: f32x16<S>, min: f32, max: f32) -> f32x16<S> {
@@ -256,7 +286,7 @@ impl<S: Simd> Slab16<S> {
     }
 
     #[inline(always)]
-    fn in_range(&self, infinity: f32x16<S>) -> fearless_simd::mask32x16<S> {
+    fn in_range(&self, infinity: f32x16<S>) -> mask32x16<S> {
         self.shift.abs().simd_lt(infinity) & self.scale.abs().simd_lt(infinity)
     }
 
