@@ -1,6 +1,7 @@
 //! A whole picture of depths, drawn tile by tile on all threads.
 
-use super::{KeepFn, Raster, TileImage};
+use super::tile::{Blocks, copy_row};
+use super::{KeepFn, Raster};
 use rayon::prelude::*;
 
 /// Depths and, if wanted, ids of a picture, row by row from the top.
@@ -39,48 +40,91 @@ impl Raster<'_> {
 
     /// As [`Raster::depth_image`], into the memory of a former picture.
     pub fn depth_image_into(&self, with_ids: bool, keep: Option<&KeepFn>, image: &mut DepthImage) {
-        let [width, height] = self.size;
-        if [image.width, image.height] != self.size || image.ids.is_empty() == with_ids {
-            *image = DepthImage::new(self.size, with_ids);
+        let [width, height] = self.tiles.size;
+        // Fresh memory is zero without being touched.
+        let fresh = [image.width, image.height] != self.tiles.size || image.ids.is_empty() == with_ids;
+        if fresh {
+            *image = DepthImage::new(self.tiles.size, with_ids);
         }
-        let band = self.tile as usize * width as usize;
+        let band = self.tiles.side as usize * width as usize;
         if band == 0 || height == 0 {
             return;
         }
-        let columns = self.columns();
-        let ids: Vec<&mut [u32]> = if with_ids {
-            image.ids.chunks_mut(band).collect()
-        } else {
-            image
-                .depth
-                .chunks(band)
-                .map(|_| Default::default())
-                .collect()
-        };
-        image
+        let mut ids = image.ids.chunks_mut(band);
+        let bands: Vec<Band> = image
             .depth
-            .par_chunks_mut(band)
-            .zip(ids)
-            .enumerate()
-            .for_each_init(TileImage::default, |tile, (row, (depth, ids))| {
-                for column in 0..columns {
-                    self.draw_tile_with(with_ids, row * columns + column, keep, tile);
-                    tile.copy_to(width as usize, depth, ids);
-                }
-            });
+            .chunks_mut(band)
+            .map(|depth| Band {
+                depth,
+                ids: ids.next().unwrap_or_default(),
+            })
+            .collect();
+        let columns = self.tiles.columns();
+        bands.into_par_iter().enumerate().for_each(|(row, band)| {
+            let tiles = band.tiles(width as usize, self.tiles.side as usize);
+            tiles.into_par_iter().enumerate().for_each_init(
+                Blocks::default,
+                |blocks, (column, tile)| {
+                    if self.draw_blocks(with_ids, row * columns + column, keep, blocks) {
+                        tile.copy(blocks);
+                    } else if !fresh {
+                        tile.clear();
+                    }
+                },
+            );
+        });
     }
 }
 
-impl TileImage {
-    /// Copies the tile into the band of the picture it lies in.
-    fn copy_to(&self, width: usize, depth: &mut [f32], ids: &mut [u32]) {
-        let [x0, _, x1, _] = self.rect.map(|side| side as usize);
-        let columns = x1 - x0;
-        for (from, to) in self.depth.chunks(columns).zip(depth.chunks_mut(width)) {
-            to[x0..x1].copy_from_slice(from);
+/// The rows of a picture that a row of tiles covers; no ids if not wanted.
+struct Band<'a> {
+    depth: &'a mut [f32],
+    ids: &'a mut [u32],
+}
+
+impl<'a> Band<'a> {
+    /// Its tiles, each a list of rows.
+    fn tiles(self, width: usize, side: usize) -> Vec<TileRows<'a>> {
+        let columns = width.div_ceil(side);
+        let rows = self.depth.len() / width;
+        let mut tiles: Vec<TileRows> = (0..columns)
+            .map(|_| TileRows {
+                depth: Vec::with_capacity(rows),
+                ids: Vec::with_capacity(rows),
+            })
+            .collect();
+        for row in self.depth.chunks_mut(width) {
+            for (tile, part) in tiles.iter_mut().zip(row.chunks_mut(side)) {
+                tile.depth.push(part);
+            }
         }
-        for (from, to) in self.ids.chunks(columns).zip(ids.chunks_mut(width)) {
-            to[x0..x1].copy_from_slice(from);
+        for row in self.ids.chunks_mut(width) {
+            for (tile, part) in tiles.iter_mut().zip(row.chunks_mut(side)) {
+                tile.ids.push(part);
+            }
         }
+        tiles
+    }
+}
+
+/// The rows of a tile.
+struct TileRows<'a> {
+    depth: Vec<&'a mut [f32]>,
+    ids: Vec<&'a mut [u32]>,
+}
+
+impl TileRows<'_> {
+    fn copy(self, blocks: &Blocks) {
+        for (y, row) in self.depth.into_iter().enumerate() {
+            copy_row(&blocks.depth, blocks.columns, y, row);
+        }
+        for (y, row) in self.ids.into_iter().enumerate() {
+            copy_row(&blocks.ids, blocks.columns, y, row);
+        }
+    }
+
+    fn clear(self) {
+        self.depth.into_iter().for_each(|row| row.fill(0.0));
+        self.ids.into_iter().for_each(|row| row.fill(u32::MAX));
     }
 }

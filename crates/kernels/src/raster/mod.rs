@@ -2,22 +2,33 @@
 //!
 //! [`draw_triangle`] is the specification. [`Raster`] draws whole meshes, tile by tile, and gives the same bytes.
 
+mod batch;
+mod bins;
+mod bounds;
+mod canvas;
 mod clip;
 mod clusters;
 mod coordinates;
+mod fill;
 mod image;
 mod projection;
+mod setup;
 mod slide;
+mod tile;
+mod vertices;
 
 use crate::VectorUnit;
-use clip::cut_triangle;
+use bins::{Bins, ClusterOf, CutTriangle, Tiles, bin};
+use canvas::Canvas;
 pub use clusters::Clusters;
 pub use coordinates::{perspective_coordinates, triangle_coordinates};
+use fearless_simd::{Simd, dispatch};
 use glam::{Mat4, Vec3};
 pub use image::DepthImage;
 use projection::Projection;
-use rayon::prelude::*;
 pub use slide::{Corner, draw_triangle};
+pub use tile::TileImage;
+use tile::{Blocks, copy_row};
 
 /// Object space to clip space: `clip = matrix · (p − origin, 1)`.
 ///
@@ -72,35 +83,16 @@ pub struct Draw<'a> {
 /// weights `(u, v)` of its second and third corner at the pixel's centre, see [`perspective_coordinates`].
 pub type KeepFn<'a> = dyn Fn(usize, u32, f32, f32) -> bool + Sync + 'a;
 
-/// One tile of a picture; its memory is reused from tile to tile.
-#[derive(Clone, Debug, Default)]
-pub struct TileImage {
-    /// `[x0, y0, x1, y1]` in pixels, without the ends.
-    pub rect: [u32; 4],
-    /// Depths row by row; larger is nearer, 0 where nothing is.
-    pub depth: Vec<f32>,
-    /// `first_id` of the draw + number of the triangle, row by row; `u32::MAX` where nothing is; empty if not wanted.
-    pub ids: Vec<u32>,
-}
-
-/// A triangle on the picture.
-#[derive(Clone, Copy, Debug)]
-struct ScreenTriangle {
-    corners: [Corner; 3],
-    draw: u32,
-    number: u32,
-}
-
 /// Meshes made ready to be drawn.
 ///
 /// Of pixels at equal depth the lower id wins, whatever the order of draws, the tiles, the threads and the vector unit are.
 #[derive(Debug)]
 pub struct Raster<'a> {
-    size: [u32; 2],
-    tile: u32,
+    tiles: Tiles,
     draws: &'a [Draw<'a>],
     projections: Vec<Projection>,
-    triangles: Vec<ScreenTriangle>,
+    clusters: Bins<ClusterOf>,
+    cut: Bins<CutTriangle>,
     unit: VectorUnit,
 }
 
@@ -111,9 +103,20 @@ impl<'a> Raster<'a> {
     /// Makes draws ready for a picture of `size`, in square tiles, on all threads of the rayon pool it is called in.
     ///
     /// Parts of triangles with `clip.w < least_w` are cut off; nothing else is. Triangles with a corner that is not finite or not
-    /// finite in clip space, and those without area on the picture, are not drawn. Panics if a side of the picture is longer than 16,384 pixels, or
-    /// if clusters do not belong to positions and indices.
+    /// finite in clip space, and those without area on the picture, are not drawn. Panics if a side of the picture is longer than
+    /// 16,384 pixels, or if clusters do not belong to positions and indices.
     pub fn new(size: [u32; 2], tile: u32, least_w: f32, draws: &'a [Draw<'a>]) -> Self {
+        Self::with_unit(size, tile, least_w, draws, VectorUnit::default())
+    }
+
+    /// The same by another vector unit, for tests that all give the same.
+    pub fn with_unit(
+        size: [u32; 2],
+        tile: u32,
+        least_w: f32,
+        draws: &'a [Draw<'a>],
+        unit: VectorUnit,
+    ) -> Self {
         assert!(
             size.iter().all(|&side| side <= Self::MOST_PIXELS),
             "a picture of {size:?} pixels"
@@ -122,143 +125,79 @@ impl<'a> Raster<'a> {
             assert_eq!(draw.clusters.triangles(), draw.indices.len());
             assert_eq!(draw.clusters.positions, draw.positions.len());
         }
+        let tiles = Tiles {
+            size,
+            side: tile.clamp(1, Self::MOST_PIXELS),
+        };
         let projections: Vec<Projection> = draws
             .iter()
             .map(|draw| Projection::new(&draw.transform, size, least_w))
             .collect();
-        let mut triangles = Vec::new();
-        for (number, (draw, projection)) in draws.iter().zip(&projections).enumerate() {
-            triangles.par_extend(draw.indices.par_iter().enumerate().flat_map_iter(|(i, t)| {
-                let mut pieces = Vec::new();
-                let corner = |i: &u32| {
-                    draw.positions
-                        .get(*i as usize)
-                        .copied()
-                        .unwrap_or(Vec3::NAN)
-                };
-                let clip = t.each_ref().map(|i| projection.clip(corner(i)));
-                cut_triangle(projection, clip, |corners| {
-                    pieces.push(ScreenTriangle {
-                        corners,
-                        draw: number as u32,
-                        number: i as u32,
-                    })
-                });
-                pieces
-            }));
-        }
+        let (clusters, cut) = bin(unit.level(), tiles, draws, &projections);
         Self {
-            size,
-            tile: tile.clamp(1, Self::MOST_PIXELS),
+            tiles,
             draws,
             projections,
-            triangles,
-            unit: VectorUnit::default(),
+            clusters,
+            cut,
+            unit,
         }
-    }
-
-    /// The same picture drawn by another vector unit, for tests that all give the same.
-    pub fn with_unit(self, unit: VectorUnit) -> Self {
-        Self { unit, ..self }
     }
 
     /// Number of tiles.
     pub fn tiles(&self) -> usize {
-        self.columns() * self.size[1].div_ceil(self.tile) as usize
-    }
-
-    fn columns(&self) -> usize {
-        self.size[0].div_ceil(self.tile) as usize
+        self.tiles.len()
     }
 
     /// Pixels of a tile: `[x0, y0, x1, y1]`, without the ends. Tiles go row by row.
     pub fn rect(&self, tile: usize) -> [u32; 4] {
-        let [x, y] = [tile % self.columns(), tile / self.columns()].map(|i| i as u32 * self.tile);
-        let end = |start: u32, axis: usize| (start + self.tile).min(self.size[axis]);
-        [x, y, end(x, 0), end(y, 1)]
+        let Tiles { size, side } = self.tiles;
+        let columns = self.tiles.columns();
+        let [x, y] = [tile % columns, tile / columns].map(|i| i as u32 * side);
+        [x, y, (x + side).min(size[0]), (y + side).min(size[1])]
     }
 
     /// Draws one tile with ids; `keep` is asked about the pixels of filtered draws, without it all are there.
     pub fn draw_tile(&self, tile: usize, keep: Option<&KeepFn>, out: &mut TileImage) {
-        self.draw_tile_with(true, tile, keep, out);
-    }
-
-    fn draw_tile_with(
-        &self,
-        with_ids: bool,
-        tile: usize,
-        keep: Option<&KeepFn>,
-        out: &mut TileImage,
-    ) {
-        let rect = self.rect(tile);
-        out.rect = rect;
-        let pixels = ((rect[2] - rect[0]) * (rect[3] - rect[1])) as usize;
-        out.depth.clear();
-        out.depth.resize(pixels, 0.0);
-        out.ids.clear();
-        out.ids.resize(pixels, u32::MAX);
-        for triangle in &self.triangles {
-            let draw = &self.draws[triangle.draw as usize];
-            let keep = keep.filter(|_| draw.filtered);
-            self.draw_plain(triangle, draw, keep, out);
-        }
-        if !with_ids {
-            out.ids.clear();
+        out.rect = self.rect(tile);
+        self.draw_blocks(true, tile, keep, &mut out.blocks);
+        let [x0, y0, x1, y1] = out.rect.map(|side| side as usize);
+        let (width, height) = (x1 - x0, y1 - y0);
+        out.depth.resize(width * height, 0.0);
+        out.ids.resize(width * height, u32::MAX);
+        let rows = out.depth.chunks_mut(width).zip(out.ids.chunks_mut(width));
+        for (y, (depth, ids)) in rows.enumerate() {
+            copy_row(&out.blocks.depth, out.blocks.columns, y, depth);
+            copy_row(&out.blocks.ids, out.blocks.columns, y, ids);
         }
     }
 
-    fn draw_plain(
-        &self,
-        t: &ScreenTriangle,
-        draw: &Draw,
-        keep: Option<&KeepFn>,
-        out: &mut TileImage,
-    ) {
-        let [a, mut b, mut c] = t.corners;
-        let area = slide::edge(a, b, c.x, c.y);
-        let front = (area < 0) != draw.mirrored;
-        if area == 0 || draw.cull == Cull::Back && !front || draw.cull == Cull::Front && front {
-            return;
+    /// Draws one tile into blocks; false if nothing can be on it.
+    fn draw_blocks(&self, with_ids: bool, tile: usize, keep: Option<&KeepFn>, blocks: &mut Blocks) -> bool {
+        let (clusters, cut) = (self.clusters.of(tile), self.cut.of(tile));
+        blocks.clear(self.rect(tile), with_ids);
+        if clusters.is_empty() && cut.is_empty() {
+            return false;
         }
-        if area < 0 {
-            std::mem::swap(&mut b, &mut c);
-        }
-        let Some(plane) = slide::DepthPlane::new(self.size, [a, b, c]) else {
-            return;
-        };
-        let x = slide::pixels_between(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x));
-        let y = slide::pixels_between(a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
-        let [x0, y0, x1, y1] = out.rect.map(|side| side as i32);
-        let id = draw.first_id.wrapping_add(t.number);
-        for y in y[0].max(y0)..=y[1].min(y1 - 1) {
-            for x in x[0].max(x0)..=x[1].min(x1 - 1) {
-                let [px, py] = [x, y].map(|i| i * slide::UNITS + slide::UNITS / 2);
-                let inside = [(a, b), (b, c), (c, a)].into_iter().all(|(from, to)| {
-                    let e = slide::edge(from, to, px, py);
-                    e > 0 || e == 0 && slide::is_top_left(from, to)
-                });
-                if !inside {
-                    continue;
-                }
-                let z = plane.at(x, y);
-                let pixel = ((y - y0) * (x1 - x0) + x - x0) as usize;
-                let (depth, ids) = (&mut out.depth[pixel], &mut out.ids[pixel]);
-                if z > 0.0
-                    && (z > *depth || z == *depth && id < *ids)
-                    && keep.is_none_or(|keep| self.is_kept(t, [x, y], keep))
-                {
-                    (*depth, *ids) = (z, id);
-                }
+        dispatch!(self.unit.level(), simd => {
+            if with_ids {
+                self.draw_on::<_, true>(simd, tile, keep, blocks);
+            } else {
+                self.draw_on::<_, false>(simd, tile, keep, blocks);
             }
-        }
+        });
+        true
     }
 
-    fn is_kept(&self, t: &ScreenTriangle, [x, y]: [i32; 2], keep: &KeepFn) -> bool {
-        let draw = &self.draws[t.draw as usize];
-        let projection = &self.projections[t.draw as usize];
-        let clip =
-            draw.indices[t.number as usize].map(|i| projection.clip(draw.positions[i as usize]));
-        let (u, v) = perspective_coordinates(clip, projection.unscale([x, y]));
-        keep(t.draw as usize, t.number, u, v)
+    // One copy for each vector unit, wherever it is called from.
+    #[inline(never)]
+    fn draw_on<S: Simd, const IDS: bool>(&self, simd: S, tile: usize, keep: Option<&KeepFn>, blocks: &mut Blocks) {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let mut canvas = Canvas::<S, IDS>::new(simd, blocks, self.rect(tile), self.tiles.size);
+                canvas.draw(self, keep, self.clusters.of(tile), self.cut.of(tile));
+            },
+        );
     }
 }

@@ -77,10 +77,10 @@ pub(super) fn pixels_between(least: i32, greatest: i32) -> [i32; 2] {
 /// it comes nearer both ways, so that far depths keep their precision. Holding it keeps slivers sane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DepthPlane {
-    origin: [i32; 2],
-    slope: [f32; 2],
-    z: f32,
-    range: [f32; 2],
+    pub(super) origin: [i32; 2],
+    pub(super) slope: [f32; 2],
+    pub(super) z: f32,
+    pub(super) range: [f32; 2],
 }
 
 impl DepthPlane {
@@ -99,8 +99,9 @@ impl DepthPlane {
             (x, y, f64::from(p.z) - f64::from(a.z))
         };
         let ((bx, by, bz), (cx, cy, cz)) = (from_a(b), from_a(c));
-        let zx = (bz * cy - cz * by) / area;
-        let zy = (bx * cz - cx * bz) / area;
+        let inverse = 1.0 / area;
+        let zx = (bz * cy - cz * by) * inverse;
+        let zy = (bx * cz - cx * bz) * inverse;
         let origin = [x[usize::from(zx < 0.0)], y[usize::from(zy < 0.0)]];
         let [dx, dy] = [
             origin[0] * UNITS + UNITS / 2 - a.x,

@@ -1,0 +1,55 @@
+//! One tile of a picture while it is drawn: pixels in blocks of 4 x 4, so that one vector holds a block.
+
+/// One tile of a picture; its memory is reused from tile to tile.
+#[derive(Clone, Debug, Default)]
+pub struct TileImage {
+    /// `[x0, y0, x1, y1]` in pixels, without the ends.
+    pub rect: [u32; 4],
+    /// Depths row by row; larger is nearer, 0 where nothing is.
+    pub depth: Vec<f32>,
+    /// `first_id` of the draw + number of the triangle, row by row; `u32::MAX` where nothing is; empty if not wanted.
+    pub ids: Vec<u32>,
+    pub(super) blocks: Blocks,
+}
+
+/// Pixels in a block.
+pub(super) const BLOCK: usize = 16;
+
+/// Blocks of 4 x 4 pixels, sixteen in a square of 16 x 16 pixels, squares row by row.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Blocks {
+    /// Squares in a row.
+    pub(super) columns: usize,
+    pub(super) depth: Vec<f32>,
+    /// Empty if not wanted.
+    pub(super) ids: Vec<u32>,
+}
+
+impl Blocks {
+    /// Room for a tile with nothing on it.
+    pub(super) fn clear(&mut self, [x0, y0, x1, y1]: [u32; 4], with_ids: bool) {
+        let [columns, rows] = [x1 - x0, y1 - y0].map(|side| side.div_ceil(16) as usize);
+        self.columns = columns;
+        let pixels = columns * rows * 256;
+        self.depth.clear();
+        self.depth.resize(pixels, 0.0);
+        self.ids.clear();
+        self.ids.resize(if with_ids { pixels } else { 0 }, u32::MAX);
+    }
+}
+
+/// Copies row `y` of a tile out of its blocks.
+pub(super) fn copy_row<T: Copy>(blocks: &[T], columns: usize, y: usize, row: &mut [T]) {
+    let squares = &blocks[y / 16 * columns * 256..];
+    // Where the row lies in each square.
+    let within = (y % 16 / 4) * 64 + (y % 4) * 4;
+    for (square, to) in squares.as_chunks::<256>().0.iter().zip(row.chunks_mut(16)) {
+        for (from, to) in square[within..].chunks(BLOCK).zip(to.chunks_mut(4)) {
+            if let ([a, b, c, d, ..], [p, q, r, s]) = (from, &mut *to) {
+                (*p, *q, *r, *s) = (*a, *b, *c, *d);
+            } else {
+                to.copy_from_slice(&from[..to.len()]);
+            }
+        }
+    }
+}
