@@ -12,6 +12,7 @@ use super::tile::Blocks;
 use super::vertices::{Corners, VertexCache};
 use super::{Cull, Draw, KeepFn, Raster};
 use crate::mesh_walk::lanes_of;
+use arrayvec::ArrayVec;
 use fearless_simd::{Simd, i32x16, mask32x16, prelude::*};
 use std::mem::swap;
 
@@ -25,6 +26,8 @@ pub(super) struct Canvas<'a, S: Simd, const IDS: bool> {
     pixels: [i32; 4],
     size: [u32; 2],
     pub(super) holes: Option<Holes<'a>>,
+    /// Triangles that wait to be filled.
+    shapes: ArrayVec<Shape, 32>,
 }
 
 /// A draw with holes.
@@ -75,6 +78,7 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
             pixels: [x0, y0, x1 - 1, y1 - 1],
             size,
             holes: None,
+            shapes: ArrayVec::new(),
         }
     }
 
@@ -143,8 +147,17 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
         if draw.mirrored { [back, front] } else { [front, back] }
     }
 
-    #[inline(always)]
+    // One copy, wherever it is called from.
+    #[inline(never)]
     fn draw_corners(&mut self, corners: &Corners, sides: [bool; 2], pending: &mut Pending) {
+        self.simd.vectorize(
+            #[inline(always)]
+            || self.sift_corners(corners, sides, pending),
+        );
+    }
+
+    #[inline(always)]
+    fn sift_corners(&mut self, corners: &Corners, sides: [bool; 2], pending: &mut Pending) {
         let seen = Seen {
             pixels: self.pixels,
             sides,
@@ -153,17 +166,16 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
             let large = sift(self.simd, seen, corners, group, pending);
             for lane in lanes_of(large) {
                 let (triangle, id) = corners.get(16 * group + lane);
-                self.draw_large(triangle, id, sides);
+                self.add_large(triangle, id, sides);
             }
-            if pending.len >= 16 {
-                self.draw_small(pending);
+            if pending.len >= 16 || !self.shapes.is_empty() {
+                self.draw_pending(pending, 16);
             }
         }
     }
 
-    /// Draws a triangle of any size.
-    #[inline(always)]
-    fn draw_large(&mut self, [a, mut b, mut c]: [Corner; 3], id: u32, sides: [bool; 2]) {
+    /// Makes a triangle of any size ready; there must be room.
+    fn add_large(&mut self, [a, mut b, mut c]: [Corner; 3], id: u32, sides: [bool; 2]) {
         let area = edge(a, b, c.x, c.y);
         if area == 0 || !sides[usize::from(area > 0)] {
             return;
@@ -178,18 +190,34 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
         };
         let [left, top, right, bottom] = self.pixels;
         let pixels = [x0.max(left), y0.max(top), x1.min(right), y1.min(bottom)];
-        self.fill(&Shape::new([a, b, c], plane, pixels, id));
+        self.shapes.push(Shape::new([a, b, c], plane, pixels, id));
+    }
+
+    /// Draws the triangles that are ready, and the first sixteen of the small ones if there are `least`.
+    // One copy, wherever it is called from.
+    #[inline(never)]
+    fn draw_pending(&mut self, pending: &mut Pending, least: usize) {
+        self.simd.vectorize(
+            #[inline(always)]
+            || {
+                if pending.len >= least {
+                    self.draw_small(pending);
+                }
+                while let Some(shape) = self.shapes.pop() {
+                    self.fill(&shape);
+                }
+            },
+        );
     }
 
     /// Draws what is left.
-    #[inline(always)]
     fn flush(&mut self, pending: &mut Pending) {
         while pending.len > 0 {
-            self.draw_small(pending);
+            self.draw_pending(pending, 1);
         }
     }
 
-    /// Draws the first sixteen of the small triangles.
+    /// Draws the first sixteen of the small triangles, or makes them ready.
     #[inline(always)]
     fn draw_small(&mut self, pending: &mut Pending) {
         let used = pending.len.min(16);
@@ -205,9 +233,7 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
         let others = used & !micro;
         if others != 0 {
             let lanes = ReadyLanes::new(&ready);
-            for lane in lanes_of(others) {
-                self.fill(&lanes.shape(lane));
-            }
+            self.shapes.extend(lanes_of(others).map(|lane| lanes.shape(lane)));
         }
     }
 

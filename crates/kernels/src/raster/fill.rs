@@ -4,7 +4,7 @@ use super::canvas::Canvas;
 use super::slide::{Corner, DepthPlane, UNITS, edge, is_top_left};
 use super::tile::BLOCK;
 use crate::mesh_walk::lanes_of;
-use fearless_simd::{Simd, f32x16, i32x16, prelude::*};
+use fearless_simd::{Simd, f32x16, i32x16, prelude::*, u32x16};
 
 /// A triangle of positive area made ready.
 #[derive(Clone, Copy, Debug)]
@@ -36,22 +36,20 @@ impl Shape {
     }
 }
 
-/// Steps of an edge function, one a lane.
+/// Steps of an edge function from a block's first pixel to each of its pixels, one a lane.
 struct Steps<S: Simd> {
-    /// To the pixels of a block, from its first.
     within: i32x16<S>,
-    /// To the pixel furthest inside in each block of a square, from the square's first.
-    blocks: i32x16<S>,
+    /// From a block's first pixel to the one furthest inside.
+    inward: i32,
 }
 
 impl<S: Simd> Steps<S> {
     #[inline(always)]
     fn new(simd: S, x: i32, y: i32) -> Self {
         let [column, row] = places(simd);
-        let within = column * x + row * y;
         Self {
-            within,
-            blocks: (within << 2) + 3 * (x.max(0) + y.max(0)),
+            within: column * x + row * y,
+            inward: 3 * (x.max(0) + y.max(0)),
         }
     }
 }
@@ -88,11 +86,10 @@ impl<S: Simd, const IDS: bool> Canvas<'_, S, IDS> {
                 let mut values = [0; 3];
                 let mut outside = false;
                 for k in 0..3 {
-                    let (dx, dy) = (16 * x - left, 16 * y - top);
-                    let value = shape.start[k]
-                        + i64::from(shape.x[k]) * i64::from(dx)
-                        + i64::from(shape.y[k]) * i64::from(dy);
-                    outside |= value + 15 * i64::from(shape.x[k].max(0)) + 15 * i64::from(shape.y[k].max(0)) < 0;
+                    let (step_x, step_y) = (i64::from(shape.x[k]), i64::from(shape.y[k]));
+                    let (dx, dy) = (i64::from(16 * x - left), i64::from(16 * y - top));
+                    let value = shape.start[k] + step_x * dx + step_y * dy;
+                    outside |= value + 5 * i64::from(steps[k].inward) < 0;
                     values[k] = value.clamp(-FAR, FAR) as i32;
                 }
                 if !outside {
@@ -104,51 +101,106 @@ impl<S: Simd, const IDS: bool> Canvas<'_, S, IDS> {
 
     /// Draws a triangle into some blocks of a square; `values` are its edge functions at the square's first pixel.
     #[inline(always)]
-    fn fill_square(&mut self, shape: &Shape, steps: &[Steps<S>; 3], values: [i32; 3], [x, y]: [i32; 2], blocks: u32) {
-        let [p, q, r] = values;
-        let zero = i32x16::splat(self.simd, 0);
-        let met = ((steps[0].blocks + p) | (steps[1].blocks + q) | (steps[2].blocks + r)).simd_ge(zero);
-        let square = y as usize * self.blocks.columns + x as usize;
-        for block in lanes_of(met.to_bitmask() as u32 & blocks) {
-            let (i, j) = (4 * (block as i32 & 3), 4 * (block as i32 >> 2));
-            let value = |k: usize| values[k] + i * shape.x[k] + j * shape.y[k];
-            let inside = (steps[0].within + value(0))
-                | (steps[1].within + value(1))
-                | (steps[2].within + value(2));
-            let pixel = [16 * x + i + self.first[0], 16 * y + j + self.first[1]];
-            self.draw_block(shape, inside, pixel, square * 256 + block * BLOCK);
+    fn fill_square(
+        &mut self,
+        shape: &Shape,
+        steps: &[Steps<S>; 3],
+        values: [i32; 3],
+        [x, y]: [i32; 2],
+        blocks: u32,
+    ) {
+        let [a, b, c] = steps;
+        // At each block's first pixel.
+        let at_blocks = [
+            (a.within << 2) + values[0],
+            (b.within << 2) + values[1],
+            (c.within << 2) + values[2],
+        ];
+        let inward = (at_blocks[0] + a.inward) | (at_blocks[1] + b.inward) | (at_blocks[2] + c.inward);
+        let met = inward.simd_ge(i32x16::splat(self.simd, 0)).to_bitmask() as u32 & blocks;
+        let [column, row] = places(self.simd);
+        let first = [16 * x + self.first[0], 16 * y + self.first[1]];
+        let [origin_x, origin_y] = shape.plane.origin;
+        let dx: f32x16<S> = ((column << 2) + (first[0] - origin_x)).to_float();
+        let dy: f32x16<S> = ((row << 2) + (first[1] - origin_y)).to_float();
+        let square = SquareLanes {
+            edges: [at_blocks[0].into(), at_blocks[1].into(), at_blocks[2].into()],
+            dx: dx.into(),
+            dy: dy.into(),
+            first,
+        };
+        let start = 256 * (y as usize * self.blocks.columns + x as usize);
+        for block in lanes_of(met) {
+            self.draw_block(shape, steps, &square, block, start + block * BLOCK);
         }
     }
 
     /// Draws the pixels of a block that are not outside of any edge and nearer than what is there.
     #[inline(always)]
-    fn draw_block(&mut self, shape: &Shape, inside: i32x16<S>, [x, y]: [i32; 2], at: usize) {
+    fn draw_block(
+        &mut self,
+        shape: &Shape,
+        steps: &[Steps<S>; 3],
+        square: &SquareLanes,
+        block: usize,
+        at: usize,
+    ) {
         let simd = self.simd;
-        let plane = &shape.plane;
-        let [column, row] = places(simd);
-        let dx: f32x16<S> = (column + (x - plane.origin[0])).to_float();
-        let dy: f32x16<S> = (row + (y - plane.origin[1])).to_float();
-        let z = dx * plane.slope[0] + (dy * plane.slope[1] + plane.z);
-        let z = z
-            .max(f32x16::splat(simd, plane.range[0]))
-            .min(f32x16::splat(simd, plane.range[1]));
+        let [a, b, c] = square.edges;
+        let value = (steps[0].within + a[block]) | (steps[1].within + b[block]) | (steps[2].within + c[block]);
+        let inside = value.simd_ge(i32x16::splat(simd, 0));
+        let z = shape.plane.at16(simd, square.dx[block], square.dy[block]);
         let depth = &mut self.blocks.depth[at..at + BLOCK];
         let there = f32x16::from_slice(simd, depth);
-        let mut drawn = inside.simd_ge(i32x16::splat(simd, 0)) & z.simd_gt(there);
+        let mut drawn = inside & z.simd_gt(there);
         if IDS {
             let ids = &mut self.blocks.ids[at..at + BLOCK];
-            let there_id = fearless_simd::u32x16::from_slice(simd, ids);
-            let id = fearless_simd::u32x16::splat(simd, shape.id);
-            let tie = z.simd_eq(there) & id.simd_lt(there_id) & z.simd_gt(f32x16::splat(simd, 0.0));
-            drawn = drawn | (inside.simd_ge(i32x16::splat(simd, 0)) & tie);
+            let there_id = u32x16::from_slice(simd, ids);
+            let id = u32x16::splat(simd, shape.id);
+            let above = z.simd_gt(f32x16::splat(simd, 0.0));
+            drawn = drawn | (inside & above & z.simd_eq(there) & id.simd_lt(there_id));
             if let Some(holes) = &self.holes {
-                drawn = holes.keep_block(simd, drawn, shape.id, [x, y]);
+                drawn = holes.keep_block(simd, drawn, shape.id, square.pixel(block));
             }
             drawn.select(id, there_id).store_slice(ids);
         } else if let Some(holes) = &self.holes {
-            drawn = holes.keep_block(simd, drawn, shape.id, [x, y]);
+            drawn = holes.keep_block(simd, drawn, shape.id, square.pixel(block));
         }
         drawn.select(z, there).store_slice(depth);
+    }
+}
+
+/// What the blocks of a square have of a triangle, at their first pixels.
+struct SquareLanes {
+    /// Its edge functions.
+    edges: [[i32; 16]; 3],
+    /// Pixels from the origin of its depth plane.
+    dx: [f32; 16],
+    dy: [f32; 16],
+    /// The square's first pixel.
+    first: [i32; 2],
+}
+
+impl SquareLanes {
+    /// The first pixel of a block.
+    fn pixel(&self, block: usize) -> [i32; 2] {
+        let block = block as i32;
+        [self.first[0] + 4 * (block & 3), self.first[1] + 4 * (block >> 2)]
+    }
+}
+
+impl DepthPlane {
+    /// The twin of `at` for a block whose first pixel is `dx`, `dy` from the origin.
+    #[inline(always)]
+    fn at16<S: Simd>(&self, simd: S, dx: f32, dy: f32) -> f32x16<S> {
+        let [column, row] = [
+            [0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3.],
+            [0., 0., 0., 0., 1., 1., 1., 1., 2., 2., 2., 2., 3., 3., 3., 3.],
+        ];
+        let row = (f32x16::simd_from(simd, row) + dy) * self.slope[1] + self.z;
+        let z = (f32x16::simd_from(simd, column) + dx) * self.slope[0] + row;
+        z.max(f32x16::splat(simd, self.range[0]))
+            .min(f32x16::splat(simd, self.range[1]))
     }
 }
 
@@ -156,10 +208,14 @@ impl<S: Simd, const IDS: bool> Canvas<'_, S, IDS> {
 #[inline(always)]
 fn lines(first: i32, last: i32, stride: u32) -> u32 {
     let (first, last) = (first.max(0) as u32 >> 2, last.min(15) as u32 >> 2);
-    let all = if stride == 1 { 0x1111 } else { 0x000f };
-    let mut blocks = 0;
-    for line in first..=last {
-        blocks |= all << (line * stride);
+    // Line 0 to 3 of four, then four times over.
+    let chosen = (15 << first) & (15 >> (3 - last));
+    if stride == 1 {
+        chosen * 0x1111
+    } else {
+        (0x000f * (chosen & 1))
+            | (0x00f0 * (chosen >> 1 & 1))
+            | (0x0f00 * (chosen >> 2 & 1))
+            | (0xf000 * (chosen >> 3))
     }
-    blocks
 }

@@ -1,6 +1,6 @@
 //! A whole picture of depths, drawn tile by tile on all threads.
 
-use super::tile::{Blocks, copy_row};
+use super::tile::{Blocks, copy_rows};
 use super::{KeepFn, Raster};
 use rayon::prelude::*;
 
@@ -115,12 +115,8 @@ struct TileRows<'a> {
 
 impl TileRows<'_> {
     fn copy(self, blocks: &Blocks) {
-        for (y, row) in self.depth.into_iter().enumerate() {
-            copy_row(&blocks.depth, blocks.columns, y, row);
-        }
-        for (y, row) in self.ids.into_iter().enumerate() {
-            copy_row(&blocks.ids, blocks.columns, y, row);
-        }
+        copy_rows(&blocks.depth, blocks.columns, self.depth.into_iter());
+        copy_rows(&blocks.ids, blocks.columns, self.ids.into_iter());
     }
 
     fn clear(self) {

@@ -28,7 +28,7 @@ pub use image::DepthImage;
 use projection::Projection;
 pub use slide::{Corner, draw_triangle};
 pub use tile::TileImage;
-use tile::{Blocks, copy_row};
+use tile::{Blocks, copy_rows};
 
 /// Object space to clip space: `clip = matrix · (p − origin, 1)`.
 ///
@@ -165,11 +165,9 @@ impl<'a> Raster<'a> {
         let (width, height) = (x1 - x0, y1 - y0);
         out.depth.resize(width * height, 0.0);
         out.ids.resize(width * height, u32::MAX);
-        let rows = out.depth.chunks_mut(width).zip(out.ids.chunks_mut(width));
-        for (y, (depth, ids)) in rows.enumerate() {
-            copy_row(&out.blocks.depth, out.blocks.columns, y, depth);
-            copy_row(&out.blocks.ids, out.blocks.columns, y, ids);
-        }
+        let columns = out.blocks.columns;
+        copy_rows(&out.blocks.depth, columns, out.depth.chunks_mut(width));
+        copy_rows(&out.blocks.ids, columns, out.ids.chunks_mut(width));
     }
 
     /// Draws one tile into blocks; false if nothing can be on it.
