@@ -26,7 +26,9 @@ impl Pending {
     fn push<S: Simd>(&mut self, lanes: [i32x16<S>; 10], mask: mask32x16<S>, count: usize) {
         for i in 0..10 {
             let at = self.len.min(16);
-            lanes[i].compress(mask).store_slice(&mut self.lanes[i][at..at + 16]);
+            lanes[i]
+                .compress(mask)
+                .store_slice(&mut self.lanes[i][at..at + 16]);
         }
         self.len += count;
     }

@@ -122,8 +122,10 @@ pub(super) fn bin(
             dispatch!(level, simd => job.run(simd, first, last))
         })
         .collect();
-    let (clusters, cut): (Vec<_>, Vec<_>) =
-        parts.into_iter().map(|part| (part.clusters, part.cut)).unzip();
+    let (clusters, cut): (Vec<_>, Vec<_>) = parts
+        .into_iter()
+        .map(|part| (part.clusters, part.cut))
+        .unzip();
     (
         Bins::new(tiles.len(), &clusters),
         Bins::new(tiles.len(), &cut),

@@ -46,7 +46,11 @@ impl Projection {
                 || beyond(w - x, ew + ex)
                 || beyond(w + y, ew + ey)
                 || beyond(w - y, ew + ey);
-            return if outside { Place::Outside } else { Place::Unsure };
+            return if outside {
+                Place::Outside
+            } else {
+                Place::Unsure
+            };
         }
         let inverse = f32x8::splat(simd, 1.0) / w;
         let [(x0, x1), (y0, y1)] = [

@@ -102,7 +102,14 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
                 let cluster = item.cluster as usize;
                 let first_id = draw.first_id.wrapping_add((cluster * TRIANGLES) as u32);
                 let source = (draw.clusters, cluster);
-                cache.fill(self.simd, projection, source, draw.positions, first_id, &mut corners);
+                cache.fill(
+                    self.simd,
+                    projection,
+                    source,
+                    draw.positions,
+                    first_id,
+                    &mut corners,
+                );
                 self.draw_corners(&corners, sides, &mut pending);
             }
         }
@@ -144,7 +151,11 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
         });
         // Counter-clockwise with y up has a negative area with y down.
         let [front, back] = [draw.cull != Cull::Front, draw.cull != Cull::Back];
-        if draw.mirrored { [back, front] } else { [front, back] }
+        if draw.mirrored {
+            [back, front]
+        } else {
+            [front, back]
+        }
     }
 
     // One copy, wherever it is called from.
@@ -224,7 +235,9 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
         let lanes = pending.pop(self.simd);
         let ready = Ready::new(self.simd, lanes, self.pixels, self.size);
         let three = i32x16::splat(self.simd, 3);
-        let micro = (ready.x[1] - ready.x[0]).max(ready.y[1] - ready.y[0]).simd_le(three);
+        let micro = (ready.x[1] - ready.x[0])
+            .max(ready.y[1] - ready.y[0])
+            .simd_le(three);
         let used = (1_u32 << used) - 1;
         let micro = micro.to_bitmask() as u32 & used;
         if micro != 0 {
@@ -233,7 +246,9 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
         let others = used & !micro;
         if others != 0 {
             let lanes = ReadyLanes::new(&ready);
-            self.shapes.extend(lanes_of(others).map(|lane| lanes.shape(lane)));
+            for lane in lanes_of(others) {
+                self.shapes.push(lanes.shape(lane));
+            }
         }
     }
 

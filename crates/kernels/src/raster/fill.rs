@@ -22,7 +22,12 @@ pub(super) struct Shape {
 
 impl Shape {
     /// Of corners that run the positive way round.
-    pub(super) fn new([a, b, c]: [Corner; 3], plane: DepthPlane, pixels: [i32; 4], id: u32) -> Self {
+    pub(super) fn new(
+        [a, b, c]: [Corner; 3],
+        plane: DepthPlane,
+        pixels: [i32; 4],
+        id: u32,
+    ) -> Self {
         let [x, y] = [pixels[0], pixels[1]].map(|i| i * UNITS + UNITS / 2);
         let edges = [(a, b), (b, c), (c, a)];
         Self {
@@ -116,7 +121,8 @@ impl<S: Simd, const IDS: bool> Canvas<'_, S, IDS> {
             (b.within << 2) + values[1],
             (c.within << 2) + values[2],
         ];
-        let inward = (at_blocks[0] + a.inward) | (at_blocks[1] + b.inward) | (at_blocks[2] + c.inward);
+        let inward =
+            (at_blocks[0] + a.inward) | (at_blocks[1] + b.inward) | (at_blocks[2] + c.inward);
         let met = inward.simd_ge(i32x16::splat(self.simd, 0)).to_bitmask() as u32 & blocks;
         let [column, row] = places(self.simd);
         let first = [16 * x + self.first[0], 16 * y + self.first[1]];
@@ -124,7 +130,11 @@ impl<S: Simd, const IDS: bool> Canvas<'_, S, IDS> {
         let dx: f32x16<S> = ((column << 2) + (first[0] - origin_x)).to_float();
         let dy: f32x16<S> = ((row << 2) + (first[1] - origin_y)).to_float();
         let square = SquareLanes {
-            edges: [at_blocks[0].into(), at_blocks[1].into(), at_blocks[2].into()],
+            edges: [
+                at_blocks[0].into(),
+                at_blocks[1].into(),
+                at_blocks[2].into(),
+            ],
             dx: dx.into(),
             dy: dy.into(),
             first,
@@ -146,8 +156,10 @@ impl<S: Simd, const IDS: bool> Canvas<'_, S, IDS> {
         at: usize,
     ) {
         let simd = self.simd;
-        let [a, b, c] = square.edges;
-        let value = (steps[0].within + a[block]) | (steps[1].within + b[block]) | (steps[2].within + c[block]);
+        let block = block % 16;
+        let edge = |k: usize| square.edges[k][block];
+        let value =
+            (steps[0].within + edge(0)) | (steps[1].within + edge(1)) | (steps[2].within + edge(2));
         let inside = value.simd_ge(i32x16::splat(simd, 0));
         let z = shape.plane.at16(simd, square.dx[block], square.dy[block]);
         let depth = &mut self.blocks.depth[at..at + BLOCK];
@@ -185,7 +197,10 @@ impl SquareLanes {
     /// The first pixel of a block.
     fn pixel(&self, block: usize) -> [i32; 2] {
         let block = block as i32;
-        [self.first[0] + 4 * (block & 3), self.first[1] + 4 * (block >> 2)]
+        [
+            self.first[0] + 4 * (block & 3),
+            self.first[1] + 4 * (block >> 2),
+        ]
     }
 }
 
@@ -194,8 +209,12 @@ impl DepthPlane {
     #[inline(always)]
     fn at16<S: Simd>(&self, simd: S, dx: f32, dy: f32) -> f32x16<S> {
         let [column, row] = [
-            [0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3.],
-            [0., 0., 0., 0., 1., 1., 1., 1., 2., 2., 2., 2., 3., 3., 3., 3.],
+            [
+                0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3., 0., 1., 2., 3.,
+            ],
+            [
+                0., 0., 0., 0., 1., 1., 1., 1., 2., 2., 2., 2., 3., 3., 3., 3.,
+            ],
         ];
         let row = (f32x16::simd_from(simd, row) + dy) * self.slope[1] + self.z;
         let z = (f32x16::simd_from(simd, column) + dx) * self.slope[0] + row;

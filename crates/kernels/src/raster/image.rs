@@ -42,7 +42,8 @@ impl Raster<'_> {
     pub fn depth_image_into(&self, with_ids: bool, keep: Option<&KeepFn>, image: &mut DepthImage) {
         let [width, height] = self.tiles.size;
         // Fresh memory is zero without being touched.
-        let fresh = [image.width, image.height] != self.tiles.size || image.ids.is_empty() == with_ids;
+        let fresh =
+            [image.width, image.height] != self.tiles.size || image.ids.is_empty() == with_ids;
         if fresh {
             *image = DepthImage::new(self.tiles.size, with_ids);
         }

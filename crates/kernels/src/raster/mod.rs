@@ -171,7 +171,13 @@ impl<'a> Raster<'a> {
     }
 
     /// Draws one tile into blocks; false if nothing can be on it.
-    fn draw_blocks(&self, with_ids: bool, tile: usize, keep: Option<&KeepFn>, blocks: &mut Blocks) -> bool {
+    fn draw_blocks(
+        &self,
+        with_ids: bool,
+        tile: usize,
+        keep: Option<&KeepFn>,
+        blocks: &mut Blocks,
+    ) -> bool {
         let (clusters, cut) = (self.clusters.of(tile), self.cut.of(tile));
         blocks.clear(self.rect(tile), with_ids);
         if clusters.is_empty() && cut.is_empty() {
@@ -189,11 +195,18 @@ impl<'a> Raster<'a> {
 
     // One copy for each vector unit, wherever it is called from.
     #[inline(never)]
-    fn draw_on<S: Simd, const IDS: bool>(&self, simd: S, tile: usize, keep: Option<&KeepFn>, blocks: &mut Blocks) {
+    fn draw_on<S: Simd, const IDS: bool>(
+        &self,
+        simd: S,
+        tile: usize,
+        keep: Option<&KeepFn>,
+        blocks: &mut Blocks,
+    ) {
         simd.vectorize(
             #[inline(always)]
             || {
-                let mut canvas = Canvas::<S, IDS>::new(simd, blocks, self.rect(tile), self.tiles.size);
+                let mut canvas =
+                    Canvas::<S, IDS>::new(simd, blocks, self.rect(tile), self.tiles.size);
                 canvas.draw(self, keep, self.clusters.of(tile), self.cut.of(tile));
             },
         );

@@ -56,7 +56,14 @@ impl<S: Simd> Ready<S> {
             pixels16([ay, by, cy], 0, size[1] as i32 - 1, simd),
         ];
         let z: [f32x16<S>; 3] = [az.bitcast(), bz.bitcast(), cz.bitcast()];
-        let plane = Plane16::new(simd, [ax, ay], [bx - ax, by - ay], [cx - ax, cy - ay], z, on_picture);
+        let plane = Plane16::new(
+            simd,
+            [ax, ay],
+            [bx - ax, by - ay],
+            [cx - ax, cy - ay],
+            z,
+            on_picture,
+        );
         Self {
             edges,
             plane,
@@ -99,8 +106,16 @@ impl<S: Simd> Plane16<S> {
     ) -> Self {
         let (bx, by, cx, cy) = (wide(b[0]), wide(b[1]), wide(c[0]), wide(c[1]));
         let (az_wide, bz_wide, cz_wide) = (az.widen(), bz.widen(), cz.widen());
-        let low = slopes(simd, [bx.0, by.0, cx.0, cy.0], [az_wide.0, bz_wide.0, cz_wide.0]);
-        let high = slopes(simd, [bx.1, by.1, cx.1, cy.1], [az_wide.1, bz_wide.1, cz_wide.1]);
+        let low = slopes(
+            simd,
+            [bx.0, by.0, cx.0, cy.0],
+            [az_wide.0, bz_wide.0, cz_wide.0],
+        );
+        let high = slopes(
+            simd,
+            [bx.1, by.1, cx.1, cy.1],
+            [az_wide.1, bz_wide.1, cz_wide.1],
+        );
         let zero = f64x8::splat(simd, 0.0);
         let sign_x = low.0.simd_lt(zero).to_bitmask() | high.0.simd_lt(zero).to_bitmask() << 8;
         let sign_y = low.1.simd_lt(zero).to_bitmask() | high.1.simd_lt(zero).to_bitmask() << 8;
@@ -157,7 +172,9 @@ fn narrow<S: Simd>(simd: S, low: f64x8<S>, high: f64x8<S>) -> f32x16<S> {
         f64x8::splat(simd, f64::from(f32::MIN)),
         f64x8::splat(simd, f64::from(f32::MAX)),
     );
-    low.max(least).min(greatest).narrow(high.max(least).min(greatest))
+    low.max(least)
+        .min(greatest)
+        .narrow(high.max(least).min(greatest))
 }
 
 /// The slopes of eight planes.

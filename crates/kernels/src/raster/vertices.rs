@@ -109,14 +109,24 @@ impl VertexCache {
         let first = cluster.first_vertex as usize;
         let vertices = &vertices[first..][..(cluster.vertices as usize).min(256)];
         let [xs, ys, zs] = &mut self.positions;
-        for (((vertex, x), y), z) in vertices.iter().zip(xs.iter_mut()).zip(ys.iter_mut()).zip(zs.iter_mut()) {
+        for (((vertex, x), y), z) in vertices
+            .iter()
+            .zip(xs.iter_mut())
+            .zip(ys.iter_mut())
+            .zip(zs.iter_mut())
+        {
             let p = positions[*vertex as usize];
             (*x, *y, *z) = (p.x, p.y, p.z);
         }
         let affine = projection.rows[3] == Vec4::W;
         let groups = vertices.len().div_ceil(16);
         let packed = self.packed.as_flattened_mut().as_chunks_mut::<64>().0;
-        let chunks = xs.as_chunks::<16>().0.iter().zip(ys.as_chunks::<16>().0).zip(zs.as_chunks::<16>().0);
+        let chunks = xs
+            .as_chunks::<16>()
+            .0
+            .iter()
+            .zip(ys.as_chunks::<16>().0)
+            .zip(zs.as_chunks::<16>().0);
         for (((x, y), z), packed) in chunks.zip(packed).take(groups) {
             let x = f32x16::simd_from(simd, *x) - projection.origin.x;
             let y = f32x16::simd_from(simd, *y) - projection.origin.y;

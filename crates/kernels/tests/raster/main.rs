@@ -1,7 +1,8 @@
 //! The rasteriser: against exact references, the slide, and rays.
 
 mod exact;
-mod scenes;
-mod twins;
+mod layers;
 #[path = "../random/mod.rs"]
 mod random;
+mod scenes;
+mod twins;

@@ -73,6 +73,53 @@ pub(crate) fn soup(random: &mut Random, triangles: u32, size: f64, step: f64) ->
             positions.push(Vec3::new(x as f32, y as f32, z as f32));
         }
     }
-    let indices = (0..triangles).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let indices = (0..triangles)
+        .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+        .collect();
     Model::new(positions, indices)
+}
+
+/// A torus around the z axis through `center`, radii 1 and 0.42, its front outside.
+pub(crate) fn torus([around, across]: [u32; 2], center: Vec3) -> Model {
+    let turn = |i: u32, n: u32| (i as f32 * std::f32::consts::TAU / n as f32).sin_cos();
+    let mut positions = Vec::new();
+    let mut indices = Vec::new();
+    for i in 0..around {
+        for j in 0..across {
+            let ((sin_a, cos_a), (sin_b, cos_b)) = (turn(i, around), turn(j, across));
+            let r = 1.0 + 0.42 * cos_b;
+            positions.push(center + Vec3::new(r * cos_a, r * sin_a, 0.42 * sin_b));
+            let at = |i: u32, j: u32| i % around * across + j % across;
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            indices.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    Model::new(positions, indices)
+}
+
+/// Half of the vertical field of view of [`view`], as a tangent.
+pub(crate) const TAN: f32 = 0.5;
+
+/// The axes of a camera: right, up, forward.
+pub(crate) fn axes(eye: Vec3, at: Vec3) -> [Vec3; 3] {
+    let forward = (at - eye).normalize();
+    let right = forward.cross(Vec3::new(0.01, 0.0, 1.0)).normalize();
+    [right, right.cross(forward), forward]
+}
+
+/// A perspective camera with +z up.
+pub(crate) fn view(eye: Vec3, at: Vec3) -> ClipTransform {
+    let [right, up, forward] = axes(eye, at);
+    let aspect = PIXELS[0] as f32 / PIXELS[1] as f32;
+    let rows = [right / (TAN * aspect), up / TAN, Vec3::ZERO, forward];
+    ClipTransform {
+        origin: eye,
+        matrix: Mat4::from_cols(
+            rows[0].extend(0.0),
+            rows[1].extend(0.0),
+            rows[2].extend(0.1),
+            rows[3].extend(0.0),
+        )
+        .transpose(),
+    }
 }

@@ -34,7 +34,11 @@ fn slide(models: &[Model], cull: Cull) -> DepthImage {
 fn assert_same(image: &DepthImage, expected: &DepthImage, case: &str) {
     for (i, (z, expected)) in image.depth.iter().zip(&expected.depth).enumerate() {
         let at = [i % PIXELS[0] as usize, i / PIXELS[0] as usize];
-        assert_eq!(z.to_bits(), expected.to_bits(), "{case} {at:?} {z} {expected}");
+        assert_eq!(
+            z.to_bits(),
+            expected.to_bits(),
+            "{case} {at:?} {z} {expected}"
+        );
     }
     assert_eq!(image.ids, expected.ids, "{case}");
 }
@@ -60,11 +64,23 @@ fn check(name: &str, models: &[Model]) {
 #[test]
 fn soups_of_all_sizes() {
     let mut random = Random(11);
-    for (name, size) in [("micro", 1.5), ("tiny", 4.0), ("small", 20.0), ("large", 90.0), ("huge", 5000.0)] {
+    for (name, size) in [
+        ("micro", 1.5),
+        ("tiny", 4.0),
+        ("small", 20.0),
+        ("large", 90.0),
+        ("huge", 5000.0),
+    ] {
         check(name, &[soup(&mut random, 400, size, 1.0 / 256.0)]);
     }
     // Many centres on edges, many ties in depth.
-    check("on centres", &[soup(&mut random, 500, 12.0, 0.5), soup(&mut random, 300, 3.0, 0.5)]);
+    check(
+        "on centres",
+        &[
+            soup(&mut random, 500, 12.0, 0.5),
+            soup(&mut random, 300, 3.0, 0.5),
+        ],
+    );
 }
 
 /// The order of draws does not matter where depths are equal: the lower id wins.
@@ -80,7 +96,10 @@ fn ties_go_to_the_lower_id() {
     assert_same(&image, &expected, "reversed");
     let threads = [1, 2, 3, 8];
     for threads in threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
         let image = pool.install(|| Raster::new(PIXELS, 32, 1e-3, &draws).depth_image(true, None));
         assert_same(&image, &expected, "threads");
     }
