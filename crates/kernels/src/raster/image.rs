@@ -1,8 +1,10 @@
 //! A whole picture of depths, drawn tile by tile on all threads.
 
-use super::tile::{Blocks, copy_rows};
+use super::tile::{Blocks, copy_row};
 use super::{KeepFn, Raster};
 use rayon::prelude::*;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Depths and, if wanted, ids of a picture, row by row from the top.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -51,77 +53,107 @@ impl Raster<'_> {
         if band == 0 || height == 0 {
             return;
         }
+        let run = (RUN / self.tiles.side).max(1) as usize;
+        let run_width = run * self.tiles.side as usize;
         let mut ids = image.ids.chunks_mut(band);
-        let bands: Vec<Band> = image
+        let bands: Vec<_> = image
             .depth
             .chunks_mut(band)
-            .map(|depth| Band {
-                depth,
-                ids: ids.next().unwrap_or_default(),
-            })
+            .map(|depth| (depth, ids.next().unwrap_or_default()))
             .collect();
-        let columns = self.tiles.columns();
-        bands.into_par_iter().enumerate().for_each(|(row, band)| {
-            let tiles = band.tiles(width as usize, self.tiles.side as usize);
-            tiles.into_par_iter().enumerate().for_each_init(
-                Blocks::default,
-                |blocks, (column, tile)| {
-                    if self.draw_blocks(with_ids, row * columns + column, keep, blocks) {
-                        tile.copy(blocks);
-                    } else if !fresh {
-                        tile.clear();
-                    }
-                },
-            );
+        let runs: Vec<Mutex<Run>> = bands
+            .into_par_iter()
+            .enumerate()
+            .flat_map_iter(|(row, (depth, ids))| {
+                let first = row * self.tiles.columns();
+                Run::new(first, run, depth, ids, [width as usize, run_width])
+            })
+            .map(Mutex::new)
+            .collect();
+        let next = AtomicUsize::new(0);
+        // One memory for the blocks a thread: fresh memory costs more than most tiles.
+        let threads = rayon::current_num_threads().min(runs.len());
+        (0..threads).into_par_iter().with_max_len(1).for_each(|_| {
+            let mut blocks = vec![Blocks::default(); run];
+            while let Some(run) = take(&runs, &next) {
+                let tiles = run.first..run.first + blocks.len().min(run.tiles(self.tiles.side));
+                let mut any = false;
+                for (tile, blocks) in tiles.zip(&mut blocks) {
+                    any |= self.draw_blocks(with_ids, tile, keep, blocks);
+                }
+                if any || !fresh {
+                    run.copy(&blocks, self.tiles.side as usize);
+                }
+            }
         });
     }
 }
 
-/// The rows of a picture that a row of tiles covers; no ids if not wanted.
-struct Band<'a> {
-    depth: &'a mut [f32],
-    ids: &'a mut [u32],
+/// Tiles that lie side by side are copied to the picture together, in rows of this many pixels, a page of memory: every other way a
+/// page is visited once for each tile, and looking up pages costs more than copying.
+const RUN: u32 = 1024;
+
+/// The next run that nobody has taken.
+fn take<'a>(runs: &[Mutex<Run<'a>>], next: &AtomicUsize) -> Option<Run<'a>> {
+    let number = next.fetch_add(1, Ordering::Relaxed);
+    let mut run = runs.get(number)?.lock().ok()?;
+    Some(std::mem::take(&mut *run))
 }
 
-impl<'a> Band<'a> {
-    /// Its tiles, each a list of rows.
-    fn tiles(self, width: usize, side: usize) -> Vec<TileRows<'a>> {
-        let columns = width.div_ceil(side);
-        let rows = self.depth.len() / width;
-        let mut tiles: Vec<TileRows> = (0..columns)
-            .map(|_| TileRows {
-                depth: Vec::with_capacity(rows),
-                ids: Vec::with_capacity(rows),
-            })
-            .collect();
-        for row in self.depth.chunks_mut(width) {
-            for (tile, part) in tiles.iter_mut().zip(row.chunks_mut(side)) {
-                tile.depth.push(part);
-            }
-        }
-        for row in self.ids.chunks_mut(width) {
-            for (tile, part) in tiles.iter_mut().zip(row.chunks_mut(side)) {
-                tile.ids.push(part);
-            }
-        }
-        tiles
-    }
-}
-
-/// The rows of a tile.
-struct TileRows<'a> {
+/// Tiles side by side.
+#[derive(Default)]
+struct Run<'a> {
+    /// Number of the first.
+    first: usize,
+    /// Rows of the picture; no ids if not wanted.
     depth: Vec<&'a mut [f32]>,
     ids: Vec<&'a mut [u32]>,
 }
 
-impl TileRows<'_> {
-    fn copy(self, blocks: &Blocks) {
-        copy_rows(&blocks.depth, blocks.columns, self.depth.into_iter());
-        copy_rows(&blocks.ids, blocks.columns, self.ids.into_iter());
+impl<'a> Run<'a> {
+    /// The runs of a row of tiles, the first tile's number given.
+    fn new(
+        first: usize,
+        tiles: usize,
+        depth: &'a mut [f32],
+        ids: &'a mut [u32],
+        [width, run_width]: [usize; 2],
+    ) -> Vec<Self> {
+        let mut runs: Vec<Self> = (0..width.div_ceil(run_width))
+            .map(|run| Self {
+                first: first + run * tiles,
+                ..Self::default()
+            })
+            .collect();
+        for row in depth.chunks_mut(width) {
+            for (run, part) in runs.iter_mut().zip(row.chunks_mut(run_width)) {
+                run.depth.push(part);
+            }
+        }
+        for row in ids.chunks_mut(width) {
+            for (run, part) in runs.iter_mut().zip(row.chunks_mut(run_width)) {
+                run.ids.push(part);
+            }
+        }
+        runs
     }
 
-    fn clear(self) {
-        self.depth.into_iter().for_each(|row| row.fill(0.0));
-        self.ids.into_iter().for_each(|row| row.fill(u32::MAX));
+    /// Number of tiles.
+    fn tiles(&self, side: u32) -> usize {
+        let width = self.depth.first().map_or(0, |row| row.len());
+        width.div_ceil(side as usize)
+    }
+
+    fn copy(self, blocks: &[Blocks], side: usize) {
+        for (y, row) in self.depth.into_iter().enumerate() {
+            for (part, blocks) in row.chunks_mut(side).zip(blocks) {
+                copy_row(&blocks.depth, blocks.columns, y, part);
+            }
+        }
+        for (y, row) in self.ids.into_iter().enumerate() {
+            for (part, blocks) in row.chunks_mut(side).zip(blocks) {
+                copy_row(&blocks.ids, blocks.columns, y, part);
+            }
+        }
     }
 }

@@ -28,7 +28,7 @@ pub use image::DepthImage;
 use projection::Projection;
 pub use slide::{Corner, draw_triangle};
 pub use tile::TileImage;
-use tile::{Blocks, copy_rows};
+use tile::{Blocks, copy_row};
 
 /// Object space to clip space: `clip = matrix · (p − origin, 1)`.
 ///
@@ -165,9 +165,16 @@ impl<'a> Raster<'a> {
         let (width, height) = (x1 - x0, y1 - y0);
         out.depth.resize(width * height, 0.0);
         out.ids.resize(width * height, u32::MAX);
-        let columns = out.blocks.columns;
-        copy_rows(&out.blocks.depth, columns, out.depth.chunks_mut(width));
-        copy_rows(&out.blocks.ids, columns, out.ids.chunks_mut(width));
+        let Blocks {
+            columns,
+            depth,
+            ids,
+        } = &out.blocks;
+        let rows = out.depth.chunks_mut(width).zip(out.ids.chunks_mut(width));
+        for (y, (depth_row, id_row)) in rows.enumerate() {
+            copy_row(depth, *columns, y, depth_row);
+            copy_row(ids, *columns, y, id_row);
+        }
     }
 
     /// Draws one tile into blocks; false if nothing can be on it.

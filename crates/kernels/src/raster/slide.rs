@@ -25,7 +25,7 @@ pub struct Corner {
 /// e(a, b) = (bx − ax)(py − ay) − (by − ay)(px − ax)
 /// ```
 /// exact in whole numbers. A centre on an edge belongs to the triangle if the edge is at its left or is its horizontal top: so of two
-/// triangles at an edge exactly one has it. Depth is the plane through the corners ([`DepthPlane`]). The pixel is drawn if
+/// triangles at an edge exactly one has it. Depth is the plane through the corners (`DepthPlane`). The pixel is drawn if
 /// its depth is above 0 and above what is there, or equal and `id` is lower. Corners within ±2²³ units.
 ///
 /// Source: Pineda, "A Parallel Algorithm for Polygon Rasterization", SIGGRAPH 1988.

@@ -38,29 +38,22 @@ impl Blocks {
     }
 }
 
-/// Copies the blocks of a tile to rows of the picture, each as long as the tile is wide.
-pub(super) fn copy_rows<'a, T: Copy + 'a>(
-    blocks: &[T],
-    columns: usize,
-    rows: impl Iterator<Item = &'a mut [T]>,
-) {
-    for (y, row) in rows.enumerate() {
-        // Where the row lies in each square.
-        let within = (y % 16 / 4) * 64 + (y % 4) * 4;
-        let squares = &blocks[y / 16 * columns * 256..];
-        let (whole, rest) = row.as_chunks_mut::<16>();
-        let mut squares = squares.as_chunks::<256>().0.iter();
-        for (to, square) in whole.iter_mut().zip(&mut squares) {
-            for (to, from) in to.as_chunks_mut::<4>().0.iter_mut().zip(0..) {
-                let at = (within + from * BLOCK) & 255;
-                to.copy_from_slice(&square[at..at + 4]);
-            }
+/// Copies row `y` of a tile out of its blocks.
+pub(super) fn copy_row<T: Copy>(blocks: &[T], columns: usize, y: usize, row: &mut [T]) {
+    // Where the row lies in each square.
+    let within = (y % 16 / 4) * 64 + (y % 4) * 4;
+    let squares = blocks[y / 16 * columns * 256..].as_chunks::<256>().0;
+    let (whole, rest) = row.as_chunks_mut::<16>();
+    for (to, square) in whole.iter_mut().zip(squares) {
+        for (to, block) in to.as_chunks_mut::<4>().0.iter_mut().zip(0..) {
+            let at = (within + block * BLOCK) & 255;
+            to.copy_from_slice(&square[at..at + 4]);
         }
-        if let Some(square) = squares.next() {
-            for (to, from) in rest.chunks_mut(4).zip(0..) {
-                let at = within + from * BLOCK;
-                to.copy_from_slice(&square[at..at + to.len()]);
-            }
+    }
+    if let Some(square) = squares.get(whole.len()) {
+        for (to, block) in rest.chunks_mut(4).zip(0..) {
+            let at = within + block * BLOCK;
+            to.copy_from_slice(&square[at..at + to.len()]);
         }
     }
 }
