@@ -1,7 +1,9 @@
 //! Sixteen triangles at a time: those that are seen are collected until sixteen of them are drawn.
 
+use super::fill::Shape;
 use super::slide::UNITS;
 use super::vertices::{Corners, unpack};
+use arrayvec::ArrayVec;
 use fearless_simd::{Simd, i32x16, mask32x16, prelude::*};
 
 /// Triangles that are longer than this many units a way are drawn alone.
@@ -11,6 +13,8 @@ pub(super) const SMALL: i32 = 64 * UNITS;
 pub(super) struct Pending {
     lanes: [[i32; 32]; 10],
     pub(super) len: usize,
+    /// Larger triangles that wait to be filled.
+    pub(super) shapes: ArrayVec<Shape, 32>,
 }
 
 impl Pending {
@@ -18,17 +22,16 @@ impl Pending {
         Self {
             lanes: [[0; 32]; 10],
             len: 0,
+            shapes: ArrayVec::new(),
         }
     }
 
     /// Adds the lanes of a mask; there are less than sixteen before.
     #[inline(always)]
     fn push<S: Simd>(&mut self, lanes: [i32x16<S>; 10], mask: mask32x16<S>, count: usize) {
-        for i in 0..10 {
-            let at = self.len.min(16);
-            lanes[i]
-                .compress(mask)
-                .store_slice(&mut self.lanes[i][at..at + 16]);
+        let at = self.len.min(16);
+        for (lanes, to) in lanes.into_iter().zip(&mut self.lanes) {
+            lanes.compress(mask).store_slice(&mut to[at..at + 16]);
         }
         self.len += count;
     }
@@ -37,9 +40,9 @@ impl Pending {
     #[inline(always)]
     pub(super) fn pop<S: Simd>(&mut self, simd: S) -> [i32x16<S>; 10] {
         let mut lanes = [i32x16::splat(simd, 0); 10];
-        for i in 0..10 {
-            let (low, high) = self.lanes[i].split_at_mut(16);
-            lanes[i] = i32x16::from_slice(simd, low);
+        for (lanes, from) in lanes.iter_mut().zip(&mut self.lanes) {
+            let (low, high) = from.split_at_mut(16);
+            *lanes = i32x16::from_slice(simd, low);
             low.copy_from_slice(high);
         }
         self.len = self.len.saturating_sub(16);

@@ -12,7 +12,6 @@ use super::tile::Blocks;
 use super::vertices::{Corners, VertexCache};
 use super::{Cull, Draw, KeepFn, Raster};
 use crate::mesh_walk::lanes_of;
-use arrayvec::ArrayVec;
 use fearless_simd::{Simd, i32x16, mask32x16, prelude::*};
 use std::mem::swap;
 
@@ -26,8 +25,6 @@ pub(super) struct Canvas<'a, S: Simd, const IDS: bool> {
     pixels: [i32; 4],
     size: [u32; 2],
     pub(super) holes: Option<Holes<'a>>,
-    /// Triangles that wait to be filled.
-    shapes: ArrayVec<Shape, 32>,
 }
 
 /// A draw with holes.
@@ -78,7 +75,6 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
             pixels: [x0, y0, x1 - 1, y1 - 1],
             size,
             holes: None,
-            shapes: ArrayVec::new(),
         }
     }
 
@@ -177,31 +173,33 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
             let large = sift(self.simd, seen, corners, group, pending);
             for lane in lanes_of(large) {
                 let (triangle, id) = corners.get(16 * group + lane);
-                self.add_large(triangle, id, sides);
+                pending.shapes.extend(self.large_shape(triangle, id, sides));
             }
-            if pending.len >= 16 || !self.shapes.is_empty() {
+            if pending.len >= 16 || !pending.shapes.is_empty() {
                 self.draw_pending(pending, 16);
             }
         }
     }
 
-    /// Makes a triangle of any size ready; there must be room.
-    fn add_large(&mut self, [a, mut b, mut c]: [Corner; 3], id: u32, sides: [bool; 2]) {
+    /// Makes a triangle of any size ready.
+    fn large_shape(
+        &self,
+        [a, mut b, mut c]: [Corner; 3],
+        id: u32,
+        sides: [bool; 2],
+    ) -> Option<Shape> {
         let area = edge(a, b, c.x, c.y);
         if area == 0 || !sides[usize::from(area > 0)] {
-            return;
+            return None;
         }
         if area < 0 {
             swap(&mut b, &mut c);
         }
-        let plane = DepthPlane::new(self.size, [a, b, c]);
-        let pixels = pixels_of([a, b, c], self.size);
-        let (Some(plane), Some([x0, y0, x1, y1])) = (plane, pixels) else {
-            return;
-        };
+        let plane = DepthPlane::new(self.size, [a, b, c])?;
+        let [x0, y0, x1, y1] = pixels_of([a, b, c], self.size)?;
         let [left, top, right, bottom] = self.pixels;
         let pixels = [x0.max(left), y0.max(top), x1.min(right), y1.min(bottom)];
-        self.shapes.push(Shape::new([a, b, c], plane, pixels, id));
+        Some(Shape::new([a, b, c], plane, pixels, id))
     }
 
     /// Draws the triangles that are ready, and the first sixteen of the small ones if there are `least`.
@@ -214,9 +212,10 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
                 if pending.len >= least {
                     self.draw_small(pending);
                 }
-                while let Some(shape) = self.shapes.pop() {
-                    self.fill(&shape);
+                for shape in &pending.shapes {
+                    self.fill(shape);
                 }
+                pending.shapes.clear();
             },
         );
     }
@@ -247,7 +246,7 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
         if others != 0 {
             let lanes = ReadyLanes::new(&ready);
             for lane in lanes_of(others) {
-                self.shapes.push(lanes.shape(lane));
+                pending.shapes.push(lanes.shape(lane));
             }
         }
     }

@@ -170,7 +170,7 @@ impl<S: Simd, const IDS: bool> Canvas<'_, S, IDS> {
             let there_id = u32x16::from_slice(simd, ids);
             let id = u32x16::splat(simd, shape.id);
             let above = z.simd_gt(f32x16::splat(simd, 0.0));
-            drawn = drawn | (inside & above & z.simd_eq(there) & id.simd_lt(there_id));
+            drawn |= inside & above & z.simd_eq(there) & id.simd_lt(there_id);
             if let Some(holes) = &self.holes {
                 drawn = holes.keep_block(simd, drawn, shape.id, square.pixel(block));
             }

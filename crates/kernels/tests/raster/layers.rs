@@ -50,7 +50,7 @@ fn subdivision(
     let mut indices = Vec::new();
     for (i, j) in (0..cells[1]).flat_map(|j| (0..cells[0]).map(move |i| (i, j))) {
         let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-        indices.extend(if random.bits() % 2 == 0 {
+        indices.extend(if random.bits().is_multiple_of(2) {
             [[a, b, c], [a, c, d]]
         } else {
             [[a, b, d], [b, c, d]]

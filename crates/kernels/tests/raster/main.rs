@@ -4,5 +4,6 @@ mod exact;
 mod layers;
 #[path = "../random/mod.rs"]
 mod random;
+mod rays;
 mod scenes;
 mod twins;

@@ -62,7 +62,7 @@ pub(crate) fn soup(random: &mut Random, triangles: u32, size: f64, step: f64) ->
     let mut positions = Vec::new();
     for _ in 0..triangles {
         let middle = [random.between(-8.0, 136.0), random.between(-8.0, 72.0)];
-        let flat = random.bits() % 4 == 0;
+        let flat = random.bits().is_multiple_of(4);
         let z = (random.bits() % 16) as f64 / 16.0;
         for _ in 0..3 {
             let on_axis = |middle: f64, random: &mut Random| {

@@ -1,11 +1,7 @@
 //! What the rasteriser draws is what rays through the pixels' centres hit.
 
-mod random;
-#[path = "raster/scenes.rs"]
-mod scenes;
-
-use random::Random;
-use scenes::{Model, PIXELS, TAN, axes, draws, soup, torus, view};
+use crate::random::Random;
+use crate::scenes::{Model, PIXELS, TAN, axes, draws, soup, torus, view};
 use std::sync::Mutex;
 use umbriel_kernels::glam::Vec3;
 use umbriel_kernels::{
@@ -99,6 +95,11 @@ fn pixels_are_what_rays_hit() {
         Vec3::new(0.7, 0.7, 0.0),
     );
     let mut random = Random(31);
+    for _ in 0..4 {
+        let eye = (3.0 * random.direction()).as_vec3();
+        let at = (0.3 * random.point()).as_vec3();
+        compare("torus from anywhere", &torus([90, 40], Vec3::ZERO), eye, at);
+    }
     for k in 0..4 {
         let mut soup = soup(&mut random, 200, [3.0, 10.0, 30.0, 60.0][k], 1.0 / 256.0);
         for p in &mut soup.positions {
