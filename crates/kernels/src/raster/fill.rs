@@ -44,8 +44,9 @@ impl Shape {
 /// Steps of an edge function from a block's first pixel to each of its pixels, one a lane.
 struct Steps<S: Simd> {
     within: i32x16<S>,
-    /// From a block's first pixel to the one furthest inside.
+    /// From a block's first pixel to the one furthest inside, and to the one furthest outside.
     inward: i32,
+    outward: i32,
 }
 
 impl<S: Simd> Steps<S> {
@@ -55,6 +56,7 @@ impl<S: Simd> Steps<S> {
         Self {
             within: column * x + row * y,
             inward: 3 * (x.max(0) + y.max(0)),
+            outward: 3 * (x.min(0) + y.min(0)),
         }
     }
 }
@@ -67,6 +69,9 @@ fn places<S: Simd>(simd: S) -> [i32x16<S>; 2] {
         i32x16::simd_from(simd, [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3]),
     ]
 }
+
+/// All blocks of a square.
+const WHOLE: u32 = 0xffff;
 
 /// Values of edge functions that are this far from 0 keep their sign in the whole square.
 const FAR: i64 = 1 << 30;
@@ -87,21 +92,33 @@ impl<S: Simd, const IDS: bool> Canvas<'_, S, IDS> {
         for y in top >> 4..=bottom >> 4 {
             let rows = lines(top - 16 * y, bottom - 16 * y, 4);
             for x in left >> 4..=right >> 4 {
+                if shape.plane.range[1] < self.blocks.furthest[self.square(x, y)] {
+                    continue;
+                }
                 let columns = lines(left - 16 * x, right - 16 * x, 1);
                 let mut values = [0; 3];
-                let mut outside = false;
+                let (mut outside, mut inside) = (false, self.holes.is_none());
                 for k in 0..3 {
                     let (step_x, step_y) = (i64::from(shape.x[k]), i64::from(shape.y[k]));
                     let (dx, dy) = (i64::from(16 * x - left), i64::from(16 * y - top));
                     let value = shape.start[k] + step_x * dx + step_y * dy;
                     outside |= value + 5 * i64::from(steps[k].inward) < 0;
+                    inside &= value + 5 * i64::from(steps[k].outward) >= 0;
                     values[k] = value.clamp(-FAR, FAR) as i32;
                 }
-                if !outside {
+                if inside && rows & columns == WHOLE {
+                    self.fill_whole(shape, [x, y]);
+                } else if !outside {
                     self.fill_square(shape, &steps, values, [x, y], rows & columns);
                 }
             }
         }
+    }
+
+    /// Number of a square.
+    #[inline(always)]
+    fn square(&self, x: i32, y: i32) -> usize {
+        y as usize * self.blocks.columns + x as usize
     }
 
     /// Draws a triangle into some blocks of a square; `values` are its edge functions at the square's first pixel.
@@ -139,10 +156,45 @@ impl<S: Simd, const IDS: bool> Canvas<'_, S, IDS> {
             dy: dy.into(),
             first,
         };
-        let start = 256 * (y as usize * self.blocks.columns + x as usize);
+        let start = 256 * self.square(x, y);
         for block in lanes_of(met) {
             self.draw_block(shape, steps, &square, block, start + block * BLOCK);
         }
+    }
+
+    /// Draws a square without an edge in it, and notes how far away what is on it is at most.
+    #[inline(always)]
+    fn fill_whole(&mut self, shape: &Shape, [x, y]: [i32; 2]) {
+        let simd = self.simd;
+        let number = self.square(x, y);
+        let start = 256 * number;
+        let mut furthest = f32x16::splat(simd, f32::MAX);
+        let dx = (16 * x + self.first[0] - shape.plane.origin[0]) as f32;
+        let dy = (16 * y + self.first[1] - shape.plane.origin[1]) as f32;
+        let square = &mut self.blocks.depth[start..start + 256];
+        let mut ids = self
+            .blocks
+            .ids
+            .get_mut(start..start + 256)
+            .unwrap_or_default()
+            .chunks_mut(BLOCK);
+        for (depth, block) in square.as_chunks_mut::<BLOCK>().0.iter_mut().zip(0..) {
+            let (column, row) = ((4 * (block & 3)) as f32, (4 * (block >> 2)) as f32);
+            let z = shape.plane.at16(simd, dx + column, dy + row);
+            let there = f32x16::simd_from(simd, *depth);
+            let mut drawn = z.simd_gt(there);
+            if let Some(ids) = ids.next() {
+                let there_id = u32x16::from_slice(simd, ids);
+                let id = u32x16::splat(simd, shape.id);
+                let above = z.simd_gt(f32x16::splat(simd, 0.0));
+                drawn |= above & z.simd_eq(there) & id.simd_lt(there_id);
+                drawn.select(id, there_id).store_slice(ids);
+            }
+            let now = drawn.select(z, there);
+            furthest = furthest.min(now);
+            now.store_slice(depth);
+        }
+        self.blocks.furthest[number] = furthest.reduce_min();
     }
 
     /// Draws the pixels of a block that are not outside of any edge and nearer than what is there.

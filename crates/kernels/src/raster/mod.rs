@@ -100,7 +100,7 @@ impl<'a> Raster<'a> {
     /// The longest side of a picture in pixels.
     pub const MOST_PIXELS: u32 = 16_384;
 
-    /// Makes draws ready for a picture of `size`, in square tiles, on all threads of the rayon pool it is called in.
+    /// Makes draws ready for a picture of `size`, in square tiles of at least 16 pixels a side, on all threads of the rayon pool it is called in.
     ///
     /// Parts of triangles with `clip.w < least_w` are cut off; nothing else is. Triangles with a corner that is not finite or not
     /// finite in clip space, and those without area on the picture, are not drawn. Panics if a side of the picture is longer than
@@ -127,7 +127,7 @@ impl<'a> Raster<'a> {
         }
         let tiles = Tiles {
             size,
-            side: tile.clamp(1, Self::MOST_PIXELS),
+            side: tile.clamp(16, Self::MOST_PIXELS),
         };
         let projections: Vec<Projection> = draws
             .iter()
@@ -169,6 +169,7 @@ impl<'a> Raster<'a> {
             columns,
             depth,
             ids,
+            ..
         } = &out.blocks;
         let rows = out.depth.chunks_mut(width).zip(out.ids.chunks_mut(width));
         for (y, (depth_row, id_row)) in rows.enumerate() {

@@ -23,6 +23,8 @@ pub(super) struct Blocks {
     pub(super) depth: Vec<f32>,
     /// Empty if not wanted.
     pub(super) ids: Vec<u32>,
+    /// A depth that no pixel of a square is further away than: what is, is hidden.
+    pub(super) furthest: Vec<f32>,
 }
 
 impl Blocks {
@@ -33,6 +35,8 @@ impl Blocks {
         let pixels = columns * rows * 256;
         self.depth.clear();
         self.depth.resize(pixels, 0.0);
+        self.furthest.clear();
+        self.furthest.resize(columns * rows, 0.0);
         self.ids.clear();
         self.ids.resize(if with_ids { pixels } else { 0 }, u32::MAX);
     }
