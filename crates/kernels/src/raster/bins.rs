@@ -18,10 +18,14 @@ pub(super) struct CutTriangle {
 }
 
 /// A cluster of a draw.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct ClusterOf {
     pub(super) draw: u32,
     pub(super) cluster: u32,
+    /// All its pixels are in `[x0, y0, x1, y1]`, with the ends.
+    pub(super) pixels: [u16; 4],
+    /// None of its depths is above this.
+    pub(super) nearest: f32,
 }
 
 /// The tiles of a picture.
@@ -147,10 +151,13 @@ impl Job<'_> {
         for (cluster, i) in clusters.iter().zip(first..) {
             match self.projection.place(simd, cluster, self.tiles.size) {
                 Place::Outside => {}
-                Place::Whole(pixels) => {
+                Place::Whole { pixels, nearest } => {
                     let item = ClusterOf {
                         draw: self.number,
                         cluster: i as u32,
+                        // Below 16,384.
+                        pixels: pixels.map(|pixel| pixel as u16),
+                        nearest,
                     };
                     part.clusters
                         .extend(self.tiles.of(pixels).map(|tile| (tile, item)));

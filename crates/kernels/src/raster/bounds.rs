@@ -7,12 +7,17 @@ use fearless_simd::{Simd, f32x8, mask32x8, prelude::*};
 use glam::{Vec3, Vec4};
 
 /// What is known of a cluster.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) enum Place {
     /// Not on the picture.
     Outside,
-    /// Nothing of it needs a cut; all its pixels are in `[x0, y0, x1, y1]`, with the ends, on the picture.
-    Whole([i32; 4]),
+    /// Nothing of it needs a cut.
+    Whole {
+        /// All its pixels are in `[x0, y0, x1, y1]`, with the ends, on the picture.
+        pixels: [i32; 4],
+        /// None of its depths is above this.
+        nearest: f32,
+    },
     /// Its triangles are looked at one by one.
     Unsure,
 }
@@ -33,7 +38,7 @@ impl Projection {
         let (low, high) = (cluster.min - self.origin, cluster.max - self.origin);
         let [x, y, z, w] = self.box_corners(simd, low, high);
         let reach = low.abs().max(high.abs());
-        let [ex, ey, _, ew] = self.rows.map(|row| {
+        let [ex, ey, ez, ew] = self.rows.map(|row| {
             let row = row.abs();
             ERROR * (row.x * reach.x + row.y * reach.y + row.z * reach.z + row.w)
         });
@@ -57,8 +62,10 @@ impl Projection {
             self.span(0, x * inverse, ex, ew, w_min - ew),
             self.span(1, y * inverse, ey, ew, w_min - ew),
         ];
-        let depth = (z * inverse).abs().reduce_max();
-        let sound = x0 >= -GUARD && x1 <= GUARD && y0 >= -GUARD && y1 <= GUARD && depth < 1e30;
+        let depth = z * inverse;
+        let greatest = depth.abs().reduce_max();
+        let nearest = depth.reduce_max() + (ez + greatest * ew) / (w_min - ew) + ERROR * greatest;
+        let sound = x0 >= -GUARD && x1 <= GUARD && y0 >= -GUARD && y1 <= GUARD && greatest < 1e30;
         if !sound {
             return Place::Unsure;
         }
@@ -69,7 +76,10 @@ impl Projection {
         if x0 > x1 || y0 > y1 {
             return Place::Outside;
         }
-        Place::Whole([x0, y0, x1, y1])
+        Place::Whole {
+            pixels: [x0, y0, x1, y1],
+            nearest,
+        }
     }
 
     /// The corners of a box in clip space.

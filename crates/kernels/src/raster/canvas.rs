@@ -95,6 +95,9 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
             let (draw, projection) = (&raster.draws[number], &raster.projections[number]);
             let sides = self.open(raster, keep, number, &mut pending);
             for item in draw_clusters {
+                if self.is_hidden(item) {
+                    continue;
+                }
                 let cluster = item.cluster as usize;
                 let first_id = draw.first_id.wrapping_add((cluster * TRIANGLES) as u32);
                 let source = (draw.clusters, cluster);
@@ -123,6 +126,20 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
             }
         }
         self.flush(&mut pending);
+    }
+
+    /// Whether all of a cluster that is on the tile lies behind what is drawn already.
+    #[inline(always)]
+    fn is_hidden(&self, cluster: &ClusterOf) -> bool {
+        let [left, top, right, bottom] = self.pixels;
+        let [x0, y0, x1, y1] = cluster.pixels.map(i32::from);
+        let [x0, x1] = [x0.max(left), x1.min(right)].map(|x| (x - left) as usize / 16);
+        let [y0, y1] = [y0.max(top), y1.min(bottom)].map(|y| (y - top) as usize / 16);
+        let columns = self.blocks.columns;
+        (y0..=y1).all(|y| {
+            let row = &self.blocks.furthest[y * columns..][x0..=x1];
+            row.iter().all(|&furthest| cluster.nearest < furthest)
+        })
     }
 
     /// Turns to another draw; gives which signs of area are drawn.

@@ -1,4 +1,7 @@
 //! One triangle into blocks of 4 x 4 pixels, sixteen blocks of a square of 16 x 16 tested at once.
+//!
+//! Source: Abrash, "Rasterization on Larrabee", Dr. Dobb's Journal, 2009. Squares behind what is drawn are skipped: Greene, Kass &
+//! Miller, "Hierarchical Z-Buffer Visibility", SIGGRAPH 1993.
 
 use super::canvas::Canvas;
 use super::slide::{Corner, DepthPlane, UNITS, edge, is_top_left};

@@ -83,6 +83,30 @@ fn soups_of_all_sizes() {
     );
 }
 
+/// Walls of two triangles before and behind small triangles, near, far and at equal depths: what is skipped is hidden.
+#[test]
+fn walls_hide_what_is_behind() {
+    let mut random = Random(15);
+    let wall = |depths: [f32; 4]| {
+        let corners = [(-9.0, -7.0), (140.0, -7.0), (140.0, 70.0), (-9.0, 70.0)];
+        let positions = corners.into_iter().zip(depths);
+        let positions = positions.map(|((x, y), z)| Vec3::new(x, y, z)).collect();
+        Model::new(positions, vec![[0, 1, 2], [0, 2, 3]])
+    };
+    let flat = soup(&mut random, 300, 3.0, 1.0 / 256.0);
+    let models = [
+        wall([0.25; 4]),
+        flat.clone(),
+        wall([0.5; 4]),
+        flat.clone(),
+        wall([0.9, 0.7, 0.5, 0.7]),
+        flat,
+        wall([0.875; 4]),
+        soup(&mut random, 100, 30.0, 1.0 / 256.0),
+    ];
+    check("walls", &models);
+}
+
 /// The order of draws does not matter where depths are equal: the lower id wins.
 #[test]
 fn ties_go_to_the_lower_id() {
