@@ -23,6 +23,8 @@
 //! | inside a closed surface | [`surface_contains`] | definitions | - |
 //! | inside a mesh | [`Body::contains`] | Jacobson, Kavan & Sorkine-Hornung 2013; Barill et al. 2018 | - |
 //! | solid angle of a triangle | [`solid_angle`] | Van Oosterom & Strackee 1983 | - |
+//! | triangle to pixels | [`draw_triangle`] | Pineda 1988; Abrash 2009 | [`Raster`] |
+//! | weights of a pixel in its triangle | [`perspective_coordinates`] | Olano & Greer 1997 | - |
 //! | roots of polynomials | [`polynomial`] | Press et al. 2007 | - |
 //!
 //! ```
@@ -78,6 +80,7 @@ mod offset;
 mod plane;
 pub mod polynomial;
 mod queries;
+mod raster;
 mod ray;
 mod rectangle;
 mod simd;
@@ -101,6 +104,10 @@ pub use plane::{Plane, intersect_plane};
 pub use queries::{
     Body, Containment, Crossing, Crossings, Method, TriangleMesh, Way, solid_angle,
     surface_contains,
+};
+pub use raster::{
+    ClipTransform, Clusters, Corner, Cull, DepthImage, Draw, KeepFn, Raster, TileImage,
+    draw_triangle, perspective_coordinates, triangle_coordinates,
 };
 pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};

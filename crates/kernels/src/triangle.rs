@@ -98,7 +98,7 @@ pub struct ShearedRay {
     ky: usize,
     kz: usize,
     /// `(d_kx, d_ky, 1) / d_kz`.
-    s: Vec3,
+    pub(crate) s: Vec3,
 }
 
 impl ShearedRay {
