@@ -15,13 +15,15 @@ mod rays16;
 mod surface_list;
 mod triangle_lanes;
 mod triangle_leaf;
+mod ways;
 
 pub(crate) use box_ray::BoxRay;
 pub use lanes::{LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit, whole_vectors};
 pub(crate) use packet::PacketBoxes;
 pub(crate) use packet_hits::PacketHits;
 pub(crate) use packet_leaf::PacketLeaf;
-pub(crate) use rays16::{RAYS, RayLanes, Rays16, Ways};
+pub(crate) use rays16::{RAYS, RayLanes, Rays16};
 pub use surface_list::SurfaceList;
 pub(crate) use triangle_lanes::{HitLanes, LaneHits};
 pub(crate) use triangle_leaf::TriangleLeaves;
+pub(crate) use ways::Ways;
