@@ -111,7 +111,10 @@ pub use raster::{
 };
 pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};
-pub use simd::{LANES, Lanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit, whole_vectors};
+pub use simd::{
+    LANES, Lanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit, triangle_coordinates_each,
+    whole_vectors,
+};
 pub use sphere::{Sphere, intersect_sphere};
 pub use surface::{Surface, intersect_surface};
 pub use torus::{Torus, intersect_torus};

@@ -15,6 +15,7 @@ mod rays16;
 mod surface_list;
 mod triangle_lanes;
 mod triangle_leaf;
+mod triangle_pairs;
 mod ways;
 
 pub(crate) use box_ray::BoxRay;
@@ -26,4 +27,5 @@ pub(crate) use rays16::{RAYS, RayLanes, Rays16};
 pub use surface_list::SurfaceList;
 pub(crate) use triangle_lanes::{HitLanes, LaneHits};
 pub(crate) use triangle_leaf::TriangleLeaves;
+pub use triangle_pairs::triangle_coordinates_each;
 pub(crate) use ways::Ways;
