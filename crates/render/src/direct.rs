@@ -10,7 +10,8 @@ use umbriel_kernels::{
 
 /// The second question of every picture: how much of this light reaches this point?
 ///
-/// Shadow rays, shadow maps and "all of it" are the answers.
+/// Shadow rays and "all of it" are answers to a batch of rays; shadow maps answer at once, for the points themselves
+/// ([`ShadowMap::fraction`](crate::ShadowMap::fraction)), and so need no ray and no batch.
 pub trait Visibility {
     /// For each ray from a surface towards the light of the same place in `lights` (positions in
     /// [`Scene::lights`](crate::Scene::lights)), the fraction of the light that arrives, by colour. All slices have one length.

@@ -14,14 +14,26 @@ pub struct Film {
 /// Counters of a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
-    /// Eye, mirrored and refracted rays.
+    /// Eye, mirrored and refracted rays; what is rasterised needs none.
     pub rays: u64,
-    /// Shadow rays: questions whether a light is seen.
+    /// Shadow rays or lookups in shadow maps: questions whether a light is seen.
     pub shadow_rays: u64,
     /// Samples that were not finite numbers; they count as black.
     pub bad_samples: u64,
     /// Finished pixels; fewer than asked for when the render was stopped.
     pub pixels: u64,
+}
+
+impl Stats {
+    /// What was counted after `before`.
+    pub(crate) fn since(self, before: Self) -> Self {
+        Self {
+            rays: self.rays - before.rays,
+            shadow_rays: self.shadow_rays - before.shadow_rays,
+            bad_samples: self.bad_samples - before.bad_samples,
+            pixels: self.pixels - before.pixels,
+        }
+    }
 }
 
 impl std::ops::Add for Stats {

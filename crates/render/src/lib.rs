@@ -1,4 +1,4 @@
-//! One scene, drawn by rays: ray casting (Appel 1968) and Whitted's ray tracing (1980).
+//! One scene, drawn by shadow maps (Williams 1978) and by rays: ray casting (Appel 1968) and Whitted's ray tracing (1980).
 //!
 //! A [`Scene`] is plain data. [`SceneBvh::build`] makes it ready for rays, [`render()`] draws it with a [`Camera`] and
 //! [`Settings`] into a [`Film`], and [`develop`] turns that into bytes for a screen. `ARCHITECTURE.md` says how the
@@ -6,7 +6,7 @@
 //!
 //! | topic | function | source |
 //! |---|---|---|
-//! | ray casting, Whitted's ray tracing | [`render()`] with a [`Method`] | Appel 1968; Whitted 1980 |
+//! | ray casting, Whitted's ray tracing, shadow mapping | [`render()`] with a [`Method`] | Appel 1968; Whitted 1980; Williams 1978 |
 //! | adaptive anti-aliasing | [`Sampling::Adaptive`] | Whitted 1980; Mitchell 1987 |
 //! | pinhole camera: rays, projection | [`CameraFrame::ray`], [`Camera::view_projection`] | |
 //! | a hit becomes a point of a surface | [`surface_interaction`] | Pharr, Jakob & Humphreys 2023 (error bounds) |
@@ -19,7 +19,10 @@
 //! | absorption | [`Material::absorption`] | Beer 1852 |
 //! | point, spot, directional light | [`Light::sample`] | KHR_lights_punctual |
 //! | light of the sky on a surface | [`Environment::ambient`] | Ramamoorthi & Hanrahan 2001 |
-//! | is it lit? | [`Visibility`]: [`ShadowRays`], [`Unshadowed`] | Appel 1968; Whitted 1980 |
+//! | is it lit? By a ray | [`Visibility`]: [`ShadowRays`], [`Unshadowed`] | Appel 1968; Whitted 1980 |
+//! | is it lit? By a depth image | [`ShadowMaps::render`], [`ShadowMap::fraction`], [`ShadowMap::lookup`] | Williams 1978 |
+//! | what keeps a map from shadowing its own surfaces | [`Bias`] | Dou et al. 2014; Holbert 2011; Isidoro 2006 |
+//! | soft edges of mapped shadows | [`ShadowFilter`] | Reeves et al. 1987; Fernando 2005; Donnelly & Lauritzen 2006; Peters & Klein 2015 |
 //! | places of samples | [`sample_pixel`] | Hammersley 1960; Cranley & Patterson 1976 |
 //! | tone curves, sRGB | [`develop`] | Khronos 2024; Hill 2016; Sobotka 2022; IEC 61966-2-1 |
 //! | how two pictures differ | [`compare()`] | Wang et al. 2004 (SSIM) |
@@ -34,6 +37,7 @@ mod color;
 mod compare;
 mod direct;
 mod environment;
+mod eye_raster;
 mod film;
 mod fresnel;
 mod hit_groups;
@@ -44,11 +48,13 @@ mod material;
 mod mesh;
 mod mesh_lanes;
 mod mesh_point;
+mod raster_tiles;
 mod ray_cast;
 mod render;
 mod sampler;
 mod scene;
 mod scene_bvh;
+mod scene_draws;
 mod settings;
 mod shade_block;
 mod shadow_map;
@@ -76,12 +82,15 @@ pub use image::{Aov, Image, Layer};
 pub use light::{DirectionalLight, Light, LightSample, PointLight, SpotLight};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use mesh::Mesh;
-pub use render::{Control, render};
+pub use render::{Control, render, render_with_maps};
 pub use sampler::sample_pixel;
 pub use scene::{Geometry, Instance, Scene};
 pub use scene_bvh::SceneBvh;
 pub use settings::{GlassShadows, Method, Sampling, Settings};
-pub use shadow_map::{Bias, BiasUnit, ShadowFilter, ShadowMapSettings, ShadowTextError};
+pub use shadow_map::{
+    Bias, BiasUnit, DepthMap, LightView, ShadowComparison, ShadowFilter, ShadowMap,
+    ShadowMapSettings, ShadowMaps, ShadowTextError, Tap,
+};
 pub use shadow_rays::ShadowRays;
 pub use surface::{SurfaceInteraction, surface_interaction};
 pub use texture::{Checker, Encoding, Filter, ImageTexture, Texture, Wrap};

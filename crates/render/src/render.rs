@@ -1,8 +1,8 @@
 //! From a scene to a film: tiles on all threads, samples in each pixel.
 
 use crate::{
-    Camera, CameraFrame, Film, Image, Sampling, SceneBvh, Settings, Stats, adaptive,
-    sampler::sample_pixel, trace::Tracer,
+    AlphaMode, Camera, CameraFrame, Film, Image, Method, Sampling, Scene, SceneBvh, Settings,
+    ShadowMaps, Stats, adaptive, eye_raster, raster_tiles, sampler::sample_pixel, trace::Tracer,
 };
 use rayon::prelude::*;
 use std::sync::{
@@ -52,6 +52,19 @@ impl Tile {
 /// that their fields state, and the crop inside the picture. The bytes of the result do not depend
 /// on the number of threads.
 pub fn render(bvh: &SceneBvh, camera: &Camera, settings: &Settings, control: &Control) -> Film {
+    let with_maps = settings.method == Method::ShadowMap && settings.shadows;
+    let maps = with_maps.then(|| ShadowMaps::render(bvh, camera, settings, false));
+    render_with_maps(bvh, camera, settings, maps.as_ref(), control)
+}
+
+/// [`render()`] with shadow maps that were made before, of the same scene; only [`Method::ShadowMap`] asks them, and without them all is lit.
+pub fn render_with_maps(
+    bvh: &SceneBvh,
+    camera: &Camera,
+    settings: &Settings,
+    maps: Option<&ShadowMaps>,
+    control: &Control,
+) -> Film {
     let [width, height] = settings.resolution;
     let [x0, y0, x1, y1] = settings.crop.unwrap_or([0, 0, width, height]);
     let mut image = Image {
@@ -67,40 +80,88 @@ pub fn render(bvh: &SceneBvh, camera: &Camera, settings: &Settings, control: &Co
         done: AtomicU64::new(0),
         total: u64::from(x1 - x0) * u64::from(y1 - y0),
     };
+    let pixels = &mut image.pixels[..];
+    let raster_spp = match settings.sampling {
+        Sampling::Fixed { spp } if settings.method == Method::ShadowMap => Some(spp.max(1)),
+        _ => None,
+    };
+    let raster_spp = raster_spp.filter(|_| eye_raster::shows_all(bvh, camera));
+    // Not within the parallel tasks that will ask.
+    if raster_spp.is_none() || needs_rays(bvh.scene()) {
+        bvh.build_trees();
+    }
+    let stats = match raster_spp {
+        Some(spp) => raster_tiles::render(bvh, camera, maps, &job, spp, pixels),
+        None => render_bands(bvh, maps, &job, pixels),
+    };
+    Film { image, stats }
+}
+
+/// Whether rays go on from what the eye sees first.
+fn needs_rays(scene: &Scene) -> bool {
+    let mut materials = scene.materials.iter();
+    materials.any(|material| material.alpha_mode == AlphaMode::Blend)
+}
+
+/// Renders the picture by rays, a band of rows after the other.
+fn render_bands(
+    bvh: &SceneBvh,
+    maps: Option<&ShadowMaps>,
+    job: &Job,
+    pixels: &mut [[f32; 4]],
+) -> Stats {
+    let width = job.settings.resolution[0];
+    let [_, y0, _, y1] = job.crop;
     // Tracers that no thread uses now; their buffers are kept from band to band.
     let idle: Mutex<Vec<Tracer>> = Mutex::new(Vec::new());
     // A band is a row of tiles; each belongs to one thread, so no two threads write near each other.
     let crop_rows = y0 as usize * width as usize..y1 as usize * width as usize;
-    let stats = image.pixels[crop_rows]
+    pixels[crop_rows]
         .par_chunks_mut((TILE[1] * width) as usize)
         .enumerate()
         // Bands differ in cost: what one thread has left over, others take, down to the last band.
         .with_max_len(1)
         .map(|(number, band)| {
             let tracer = lock(&idle).pop();
-            let mut tracer = tracer.unwrap_or_else(|| Tracer::new(bvh, settings));
-            let stats = render_band(&mut tracer, &job, y0 + number as u32 * TILE[1], band);
+            let mut tracer = tracer.unwrap_or_else(|| Tracer::new(bvh, job.settings, maps));
+            let stats = render_band(&mut tracer, job, y0 + number as u32 * TILE[1], band);
             lock(&idle).push(tracer);
             stats
         })
-        .reduce(Stats::default, |a, b| a + b);
-    Film { image, stats }
+        .reduce(Stats::default, |a, b| a + b)
 }
 
-/// What the bands of a picture have in common.
-struct Job<'a> {
+/// What the bands or tiles of a picture have in common.
+pub(crate) struct Job<'a> {
     frame: CameraFrame,
-    settings: &'a Settings,
-    control: &'a Control<'a>,
+    pub(crate) settings: &'a Settings,
+    pub(crate) control: &'a Control<'a>,
     /// x0, y0 (included), x1, y1 (excluded).
-    crop: [u32; 4],
+    pub(crate) crop: [u32; 4],
     /// Finished pixels, of `total`.
     done: AtomicU64,
     total: u64,
 }
 
+impl Job<'_> {
+    /// Tells of the finished pixels of a rectangle `x0, y0` (included), `x1, y1` (excluded), and gives their number.
+    pub(crate) fn count(&self, rect: [u32; 4]) -> u64 {
+        let length = |low: usize, high: usize| {
+            let (start, end) = (
+                rect[low].max(self.crop[low]),
+                rect[high].min(self.crop[high]),
+            );
+            u64::from(end.saturating_sub(start))
+        };
+        let new = length(0, 2) * length(1, 3);
+        let finished = self.done.fetch_add(new, Ordering::Relaxed) + new;
+        (self.control.progress)(finished, self.total);
+        new
+    }
+}
+
 /// A panic in one band is passed on by rayon; it leaves the list of tracers whole.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -122,17 +183,11 @@ fn render_band(tracer: &mut Tracer, job: &Job, top: u32, band: &mut [[f32; 4]]) 
         };
         let colors = render_tile(tracer, &job.frame, job.settings, tile);
         write_tile(&colors, tile, band.chunks_mut(width as usize));
-        let new = tile.len() as u64;
-        pixels += new;
-        let finished = job.done.fetch_add(new, Ordering::Relaxed) + new;
-        (job.control.progress)(finished, job.total);
+        pixels += job.count([tile.x0, tile.y0, tile.x1, tile.y1]);
     }
-    let after = counters(tracer);
     Stats {
-        rays: after.rays - before.rays,
-        shadow_rays: after.shadow_rays - before.shadow_rays,
-        bad_samples: after.bad_samples - before.bad_samples,
         pixels,
+        ..counters(tracer).since(before)
     }
 }
 
@@ -146,7 +201,7 @@ fn write_tile<'a>(colors: &[Vec3], tile: Tile, rows: impl Iterator<Item = &'a mu
     }
 }
 
-fn counters(tracer: &Tracer) -> Stats {
+pub(crate) fn counters(tracer: &Tracer) -> Stats {
     Stats {
         rays: tracer.rays,
         shadow_rays: tracer.shadow_rays(),

@@ -2,8 +2,10 @@
 
 use crate::{AlphaMode, Geometry, Instance, InstanceId, Mesh, Scene, surface};
 use rayon::prelude::*;
+use std::sync::OnceLock;
 use umbriel_kernels::{
-    BuildQuality, Hit, InstanceBvh, MeshBvh, Placed, Ray, Shape, SurfaceList, glam::Affine3A,
+    Aabb, BuildQuality, Clusters, Hit, InstanceBvh, MeshBvh, Placed, Ray, Shape, SurfaceList,
+    glam::Affine3A,
 };
 
 /// A scene made ready for rays: one tree over its instances, and one over the triangles of each mesh.
@@ -13,9 +15,15 @@ use umbriel_kernels::{
 #[derive(Debug)]
 pub struct SceneBvh<'a> {
     scene: &'a Scene,
-    instances: InstanceBvh,
+    placed: Vec<Placed>,
+    /// Once rays ask for it.
+    instances: OnceLock<InstanceBvh>,
     /// All of the scene, where it is a handful of surfaces.
     handful: Option<SurfaceList>,
+    /// Of each mesh, once a rasteriser asks for them.
+    clusters: OnceLock<Vec<Clusters>>,
+    /// Of each mesh, once somebody asks for them.
+    mesh_bounds: OnceLock<Vec<Aabb>>,
 }
 
 /// Up to this many surfaces are tested one after the other, many rays at once.
@@ -24,13 +32,37 @@ const HANDFUL: usize = 12;
 impl<'a> SceneBvh<'a> {
     /// Builds all trees. The scene must have passed [`Scene::validate`].
     pub fn build(scene: &'a Scene) -> Self {
-        let meshes = scene.meshes.par_iter().map(build_mesh).collect();
+        let bvh = Self::without_trees(scene);
+        bvh.build_trees();
+        bvh
+    }
+
+    /// Leaves the trees to be built when rays need them: rasterised pictures of opaque scenes need none.
+    ///
+    /// The first question by rays builds them, on the rayon pool that it is asked in; it must not be asked within a parallel task of that
+    /// pool, as [`render()`](crate::render()) sees to.
+    pub fn without_trees(scene: &'a Scene) -> Self {
         let placed: Vec<Placed> = scene.instances.iter().map(|i| place(scene, i)).collect();
         Self {
             scene,
             handful: handful(&placed),
-            instances: InstanceBvh::build(meshes, placed),
+            placed,
+            instances: OnceLock::new(),
+            clusters: OnceLock::new(),
+            mesh_bounds: OnceLock::new(),
         }
+    }
+
+    /// Builds the trees, unless they are there.
+    pub fn build_trees(&self) {
+        self.instances();
+    }
+
+    fn instances(&self) -> &InstanceBvh {
+        self.instances.get_or_init(|| {
+            let meshes = self.scene.meshes.par_iter().map(build_mesh).collect();
+            InstanceBvh::build(meshes, self.placed.clone())
+        })
     }
 
     /// The scene that was built.
@@ -40,17 +72,17 @@ impl<'a> SceneBvh<'a> {
 
     /// Bytes that the trees hold on the heap.
     pub fn memory(&self) -> usize {
-        self.instances.memory()
+        self.instances().memory()
     }
 
     /// Number of triangles of all meshes that no ray can hit, because they have no area.
     pub fn dropped(&self) -> usize {
-        self.instances.meshes().iter().map(MeshBvh::dropped).sum()
+        self.instances().meshes().iter().map(MeshBvh::dropped).sum()
     }
 
     /// Number of instances that no ray can hit, because their transform has no inverse or nothing is left of their mesh.
     pub fn dropped_instances(&self) -> usize {
-        self.instances.dropped()
+        self.instances().dropped()
     }
 
     /// The first thing that each ray meets.
@@ -62,7 +94,7 @@ impl<'a> SceneBvh<'a> {
         match &self.handful {
             Some(list) => list.closest(rays, hits),
             None => self
-                .instances
+                .instances()
                 .closest_hits(rays, hits, &|ray, hit| !self.is_hole(ray, hit)),
         }
     }
@@ -73,14 +105,36 @@ impl<'a> SceneBvh<'a> {
         match &self.handful {
             Some(list) => list.any(rays, occluded),
             None => self
-                .instances
+                .instances()
                 .any_hits(rays, occluded, &|ray, hit| !self.is_hole(ray, hit)),
         }
     }
 
+    /// The triangles of each mesh in groups for the rasteriser.
+    pub(crate) fn clusters(&self) -> &[Clusters] {
+        self.clusters.get_or_init(|| {
+            let meshes = self.scene.meshes.iter();
+            let build = |mesh: &Mesh| Clusters::build(&mesh.positions, &mesh.indices);
+            meshes.map(build).collect()
+        })
+    }
+
+    /// The box of an instance in world space; `None` for a plane.
+    pub(crate) fn world_bounds(&self, i: usize) -> Option<Aabb> {
+        let instance = &self.scene.instances[i];
+        let bounds = match instance.geometry {
+            Geometry::Mesh(id) => {
+                let all = || self.scene.meshes.iter().map(Mesh::bounds).collect();
+                Some(self.mesh_bounds.get_or_init(all)[id.index()])
+            }
+            Geometry::Surface(id) => self.scene.surfaces[id.index()].bounds(),
+        }?;
+        Some(bounds.transformed(&instance.transform))
+    }
+
     /// World to object space; `None` where both are the same.
     pub(crate) fn to_object(&self, instance: InstanceId) -> Option<&Affine3A> {
-        self.instances.placed()[instance.index()].to_object.as_ref()
+        self.placed[instance.index()].to_object.as_ref()
     }
 
     /// Tells whether nothing is there at the hit of this object-space ray: a masked hole, or the back of a triangle

@@ -7,11 +7,13 @@ use crate::ShadowMapSettings;
 pub enum Method {
     /// One eye ray a sample, one shadow ray a light, local shading (Appel 1968).
     RayCast,
+    /// One depth image a light, the eye's image by rasterisation, one comparison with the map a light and pixel, local shading (Williams
+    /// 1978). What lies behind partly transparent surfaces is found by rays. With [`Sampling::Fixed`] the samples of all pixels lie at the same
+    /// places, so that each number of a sample is one image; with [`Sampling::Adaptive`] rays find what is seen.
+    ShadowMap,
     /// Recursive mirrored and refracted rays (Whitted 1980).
     #[default]
     Whitted,
-    /// Local shading as in ray casting; depth images from the lights tell what is lit (Williams 1978).
-    ShadowMap,
 }
 
 /// Where in a pixel the eye rays go.

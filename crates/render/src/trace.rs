@@ -1,8 +1,8 @@
 //! The queue of weighted rays: the loop that all ray methods share.
 
 use crate::{
-    CameraFrame, MaterialId, Method, SceneBvh, Settings, ShadowRays, Unshadowed,
-    direct::DirectLight, hit_groups::HitGroups, shade_block::ShadeBlock,
+    CameraFrame, MaterialId, Method, SceneBvh, Settings, ShadowMaps, ShadowRays, Unshadowed,
+    direct::DirectLight, hit_groups::HitGroups, shade_block::ShadeBlock, shadow_map::MapVisibility,
 };
 use umbriel_kernels::{
     Hit, LANES, Ray, Vec3Lanes, VectorUnit,
@@ -81,6 +81,7 @@ pub(crate) struct Tracer<'a> {
     settings: &'a Settings,
     unit: VectorUnit,
     shadow_rays: ShadowRays<'a>,
+    maps: Option<MapVisibility<'a>>,
     direct: DirectLight,
     queue: Queue,
     next: Queue,
@@ -94,12 +95,18 @@ pub(crate) struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    pub(crate) fn new(bvh: &'a SceneBvh<'a>, settings: &'a Settings) -> Self {
+    /// `maps` answer the second question of [`Method::ShadowMap`].
+    pub(crate) fn new(
+        bvh: &'a SceneBvh<'a>,
+        settings: &'a Settings,
+        maps: Option<&'a ShadowMaps>,
+    ) -> Self {
         Self {
             bvh,
             settings,
             unit: VectorUnit::default(),
             shadow_rays: ShadowRays::new(bvh, settings.glass_shadows),
+            maps: maps.filter(|_| settings.shadows).map(MapVisibility::new),
             direct: DirectLight::default(),
             queue: Queue::default(),
             next: Queue::default(),
@@ -128,13 +135,36 @@ impl<'a> Tracer<'a> {
                 || self.queue.push_eye_rays(frame, places),
             );
         }
-        while !self.queue.rays.is_empty() {
-            self.intersect();
+        self.intersect();
+        self.follow(radiance);
+    }
+
+    /// The radiance along eye rays of which it is known what they see. All slices have one length.
+    pub(crate) fn trace_seen(&mut self, rays: &[Ray], hits: &[Option<Hit>], radiance: &mut [Vec3]) {
+        radiance.fill(Vec3::ZERO);
+        self.queue.clear();
+        self.queue.rays.extend_from_slice(rays);
+        self.queue.states.resize(rays.len(), RayState::EYE);
+        for (number, state) in (0..).zip(&mut self.queue.states) {
+            state.sample = number;
+        }
+        self.hits.clear();
+        self.hits.extend_from_slice(hits);
+        self.follow(radiance);
+    }
+
+    /// Shades what the queued rays hit, and follows the rays that go on from it.
+    fn follow(&mut self, radiance: &mut [Vec3]) {
+        loop {
             self.see_sky(radiance);
             self.next.clear();
             self.shade(radiance);
             self.light(radiance);
             std::mem::swap(&mut self.queue, &mut self.next);
+            if self.queue.rays.is_empty() {
+                break;
+            }
+            self.intersect();
         }
         for sample in radiance {
             if !sample.is_finite() {
@@ -167,7 +197,11 @@ impl<'a> Tracer<'a> {
     fn shade(&mut self, radiance: &mut [Vec3]) {
         let instances = self.bvh.scene().instances.len();
         // Where a sample may have many rays, its sum has an order that only a batch can keep.
-        let at_once = !self.settings.shadows && self.settings.method == Method::RayCast;
+        let at_once = match self.settings.method {
+            Method::ShadowMap => true,
+            Method::RayCast => !self.settings.shadows,
+            Method::Whitted => false,
+        };
         self.groups.sort(&self.hits, instances);
         for (instance, members) in self.groups.iter() {
             for members in members.chunks(LANES) {
@@ -190,7 +224,9 @@ impl<'a> Tracer<'a> {
                         );
                         let (surfaces, seen) = (&block.surfaces, &block.seen);
                         let lights = &self.bvh.scene().lights;
-                        if at_once {
+                        if let Some(maps) = &mut self.maps {
+                            self.direct.add_now(lights, surfaces, seen, maps, radiance);
+                        } else if at_once {
                             let all = &mut Unshadowed;
                             self.direct.add_now(lights, surfaces, seen, all, radiance);
                         } else {

@@ -1,0 +1,158 @@
+//! The picture by rasterisation: tiles on all threads, an image for each number of a sample.
+
+use crate::{
+    Camera, SceneBvh, ShadowMaps, Stats,
+    eye_raster::{EyeRaster, Seen, TILE, least_w},
+    render::{Job, counters, lock},
+    sampler::sample_pixel,
+    shadow_map::Extent,
+    trace::Tracer,
+};
+use rayon::prelude::*;
+use std::sync::{Mutex, atomic::Ordering};
+use umbriel_kernels::{Raster, TileImage, glam::Vec3};
+
+/// Most pixels that are shaded at once, at least a row of a tile: what they need stays in the cache.
+const BATCH: usize = 1024;
+
+/// A tile of the picture: its pixels' sums, row by row.
+struct PictureTile<'a> {
+    number: usize,
+    rows: Vec<&'a mut [[f32; 4]]>,
+    /// Samples that were added to each pixel.
+    samples: u32,
+}
+
+/// Renders `pixels` with `spp` samples a pixel, all pixels' samples at the same places.
+pub(crate) fn render(
+    bvh: &SceneBvh,
+    camera: &Camera,
+    maps: Option<&ShadowMaps>,
+    job: &Job,
+    spp: u32,
+    pixels: &mut [[f32; 4]],
+) -> Stats {
+    let size = job.settings.resolution;
+    let reach = Extent::of(bvh).reach(camera.pose.translation.into());
+    // Tracers and tiles that no thread uses now.
+    let idle: Mutex<Vec<(Tracer, TileImage, Seen)>> = Mutex::new(Vec::new());
+    let mut tiles = Vec::new();
+    let mut pixels = Some(pixels);
+    let mut stats = Stats::default();
+    for sample in 0..spp {
+        let place = sample_pixel(0, 0, sample, spp, job.settings.seed);
+        let eye = EyeRaster::new(bvh, camera, size, place, reach);
+        let raster = eye.raster(least_w(camera, reach));
+        if let Some(pixels) = pixels.take() {
+            tiles = picture_tiles(&raster, job, pixels);
+        }
+        let last = sample + 1 == spp;
+        let sums = tiles.par_iter_mut().with_max_len(1).map(|tile| {
+            if job.control.stop.load(Ordering::Relaxed) {
+                return Stats::default();
+            }
+            let idle_one = lock(&idle).pop();
+            let (mut tracer, mut image, mut seen) = idle_one.unwrap_or_else(|| {
+                let tracer = Tracer::new(bvh, job.settings, maps);
+                (tracer, TileImage::default(), Seen::default())
+            });
+            let before = counters(&tracer);
+            eye.draw(&raster, tile.number, &mut image);
+            tile.shade(&mut tracer, &eye, job, &image, &mut seen);
+            let stats = counters(&tracer).since(before);
+            lock(&idle).push((tracer, image, seen));
+            let pixels = if last {
+                job.count(raster.rect(tile.number))
+            } else {
+                0
+            };
+            Stats { pixels, ..stats }
+        });
+        stats = stats + sums.reduce(Stats::default, |a, b| a + b);
+    }
+    for tile in &mut tiles {
+        if tile.samples > 1 {
+            tile.average();
+        }
+    }
+    stats
+}
+
+/// The tiles within the crop; each has its part of every row.
+fn picture_tiles<'a>(
+    raster: &Raster,
+    job: &Job,
+    pixels: &'a mut [[f32; 4]],
+) -> Vec<PictureTile<'a>> {
+    let empty = |number| PictureTile {
+        number,
+        rows: Vec::new(),
+        samples: 0,
+    };
+    let mut tiles: Vec<PictureTile> = (0..raster.tiles()).map(empty).collect();
+    let columns = tiles
+        .iter()
+        .take_while(|t| raster.rect(t.number)[1] == 0)
+        .count();
+    let width = job.settings.resolution[0] as usize;
+    for (y, mut row) in pixels.chunks_mut(width).enumerate() {
+        let first = y / TILE as usize * columns;
+        for tile in &mut tiles[first..first + columns] {
+            let [x0, _, x1, _] = raster.rect(tile.number);
+            let (part, rest) = row.split_at_mut((x1 - x0) as usize);
+            tile.rows.push(part);
+            row = rest;
+        }
+    }
+    let [x0, y0, x1, y1] = job.crop;
+    tiles.retain(|tile| {
+        let [l, t, r, b] = raster.rect(tile.number);
+        l < x1 && r > x0 && t < y1 && b > y0
+    });
+    tiles
+}
+
+impl PictureTile<'_> {
+    /// Adds a sample to each pixel, some rows at a time.
+    fn shade(
+        &mut self,
+        tracer: &mut Tracer,
+        eye: &EyeRaster,
+        job: &Job,
+        image: &TileImage,
+        seen: &mut Seen,
+    ) {
+        let [x0, y0, x1, y1] = image.rect;
+        let width = (x1 - x0) as usize;
+        let [left, top, right, bottom] = job.crop;
+        let is_asked = |x: u32, y: u32| (left..right).contains(&x) && (top..bottom).contains(&y);
+        let mut radiance = [Vec3::ZERO; BATCH];
+        let rows = BATCH / width;
+        let starts = (y0..y1).step_by(rows);
+        for (ids, start) in image.ids.chunks(rows * width).zip(starts) {
+            eye.see([x0, start, x1, (start + rows as u32).min(y1)], ids, seen);
+            let radiance = &mut radiance[..ids.len()];
+            tracer.trace_seen(&seen.rays, &seen.hits, radiance);
+            for (row, y) in radiance.chunks(width).zip(start..) {
+                let sums = &mut self.rows[(y - y0) as usize];
+                for ((sample, sum), x) in row.iter().zip(sums.iter_mut()).zip(x0..) {
+                    if is_asked(x, y) {
+                        let color = sample + Vec3::new(sum[0], sum[1], sum[2]);
+                        *sum = color.extend(1.0).to_array();
+                    }
+                }
+            }
+        }
+        self.samples += 1;
+    }
+
+    /// Turns sums into means.
+    fn average(&mut self) {
+        let scale = 1.0 / self.samples as f32;
+        for pixel in self.rows.iter_mut().flat_map(|row| row.iter_mut()) {
+            for channel in &mut pixel[..3] {
+                *channel *= scale;
+            }
+        }
+    }
+}

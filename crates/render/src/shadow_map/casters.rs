@@ -1,0 +1,228 @@
+//! Pass 1: everything that stands in the light's way is drawn into its depth image.
+
+use super::{DepthMap, LightView};
+use crate::{AlphaMode, Geometry, GlassShadows, InstanceId, Material, SceneBvh};
+use rayon::prelude::*;
+use umbriel_kernels::{
+    Hit, LANES, Plane, Ray, Surface, SurfaceList,
+    glam::{Affine3A, Vec2, Vec3},
+};
+
+/// Rows of a band of the image; each belongs to one thread.
+const BAND: usize = 32;
+
+/// How a material casts its shadow into a map, which knows one depth a texel and no colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Casts {
+    /// All of it.
+    Whole,
+    /// Where its alpha says so.
+    Masked,
+    /// Not at all.
+    Nothing,
+}
+
+/// What of a material is in the map: glass that filters light is not, which errs by what it holds back; what is partly transparent is where its
+/// alpha is at least one half.
+pub(crate) fn casts(material: &Material, glass: GlassShadows) -> Casts {
+    if glass == GlassShadows::Filtered && material.transmission > 0.0 {
+        return Casts::Nothing;
+    }
+    match material.alpha_mode {
+        AlphaMode::Opaque => Casts::Whole,
+        AlphaMode::Mask { .. } | AlphaMode::Blend => Casts::Masked,
+    }
+}
+
+/// The alpha from which on a material with holes stands in the way of light.
+pub(crate) fn cutoff(material: &Material) -> f32 {
+    match material.alpha_mode {
+        AlphaMode::Mask { cutoff } => cutoff,
+        AlphaMode::Opaque | AlphaMode::Blend => 0.5,
+    }
+}
+
+/// An analytic surface that casts a shadow, and the texels that it may cover.
+struct Solid {
+    instance: u32,
+    first_id: u32,
+    list: SurfaceList,
+    /// A plane may lie before the near plane.
+    plane: Option<Plane>,
+    to_object: Option<Affine3A>,
+    masked: bool,
+    /// `x0, y0` (included), `x1, y1` (excluded).
+    rect: [u32; 4],
+}
+
+/// Draws the analytic surfaces into a depth image by casting the light's rays at them, exactly.
+pub(crate) fn draw_surfaces(
+    bvh: &SceneBvh,
+    glass: GlassShadows,
+    first_ids: &[u32],
+    map: &mut DepthMap,
+) {
+    let view = map.view;
+    let scene = bvh.scene();
+    let solids: Vec<Solid> = (0..scene.instances.len())
+        .filter_map(|i| solid(bvh, glass, first_ids, &view, i))
+        .collect();
+    if solids.is_empty() {
+        return;
+    }
+    let width = view.side as usize;
+    let with_ids = !map.ids.is_empty();
+    let mut no_ids = Vec::new();
+    let ids = if with_ids { &mut map.ids } else { &mut no_ids };
+    let id_bands = ids
+        .chunks_mut(BAND * width)
+        .map(Some)
+        .chain(std::iter::repeat_with(|| None));
+    let bands: Vec<_> = map
+        .stored
+        .chunks_mut(BAND * width)
+        .zip(id_bands)
+        .enumerate()
+        .collect();
+    bands
+        .into_par_iter()
+        .for_each(|(number, (depths, mut ids))| {
+            for solid in &solids {
+                let top = (number * BAND) as u32;
+                let rows = (depths.len() / width) as u32;
+                for y in solid.rect[1].max(top)..solid.rect[3].min(top + rows) {
+                    let row = (y - top) as usize * width..(y - top + 1) as usize * width;
+                    let ids = ids.as_mut().map(|ids| &mut ids[row.clone()]);
+                    solid.draw_row(bvh, &view, y, &mut depths[row], ids);
+                }
+            }
+        });
+}
+
+fn solid(
+    bvh: &SceneBvh,
+    glass: GlassShadows,
+    first_ids: &[u32],
+    view: &LightView,
+    i: usize,
+) -> Option<Solid> {
+    let scene = bvh.scene();
+    let instance = &scene.instances[i];
+    let Geometry::Surface(id) = instance.geometry else {
+        return None;
+    };
+    let casts = casts(&scene.materials[instance.material.index()], glass);
+    if casts == Casts::Nothing {
+        return None;
+    }
+    let surface = scene.surfaces[id.index()];
+    Some(Solid {
+        instance: i as u32,
+        first_id: first_ids[i],
+        list: SurfaceList::new(vec![(i as u32, surface)]),
+        plane: match surface {
+            Surface::Plane(plane) => Some(plane),
+            _ => None,
+        },
+        to_object: bvh.to_object(InstanceId(i as u32)).copied(),
+        masked: casts == Casts::Masked,
+        rect: covered(view, bvh, i, [view.side; 2]),
+    })
+}
+
+/// The pixels of a picture of `size` around the view's square that an instance may cover: all of them where it has no box or
+/// reaches behind the light.
+pub(crate) fn covered(view: &LightView, bvh: &SceneBvh, i: usize, size: [u32; 2]) -> [u32; 4] {
+    let [width, height] = size.map(|side| side as f32);
+    let all = [0, 0, size[0], size[1]];
+    let Some(bounds) = bvh.world_bounds(i) else {
+        return all;
+    };
+    let left = 0.5 * (width - view.side as f32);
+    let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+    for k in 0..8 {
+        let pick = |axis: usize| [bounds.min, bounds.max][k >> axis & 1][axis];
+        let seen = view.project(Vec3::new(pick(0), pick(1), pick(2)));
+        if view.perspective && seen.z <= view.near {
+            return all;
+        }
+        let at = seen.at + Vec2::new(left, 0.0);
+        (min, max) = (min.min(at), max.max(at));
+    }
+    // One pixel more than rounding and samples beside the centre could need.
+    let low = |x: f32, end: f32| (x.floor() - 2.0).clamp(0.0, end) as u32;
+    let high = |x: f32, end: f32| (x.ceil() + 2.0).clamp(0.0, end) as u32;
+    [
+        low(min.x, width),
+        low(min.y, height),
+        high(max.x, width),
+        high(max.y, height),
+    ]
+}
+
+impl Solid {
+    fn draw_row(
+        &self,
+        bvh: &SceneBvh,
+        view: &LightView,
+        y: u32,
+        depths: &mut [f32],
+        mut ids: Option<&mut [u32]>,
+    ) {
+        let mut rays = [Ray::new(Vec3::ZERO, Vec3::Z); LANES];
+        let mut hits = [None; LANES];
+        for start in (self.rect[0]..self.rect[2]).step_by(LANES) {
+            let len = (self.rect[2] - start).min(LANES as u32) as usize;
+            for (i, ray) in rays.iter_mut().enumerate() {
+                let world = view.ray(Vec2::new((start + i as u32) as f32 + 0.5, y as f32 + 0.5));
+                *ray = self.to_object.map_or(world, |m| world.transformed(&m));
+            }
+            self.list.closest(&rays[..len], &mut hits[..len]);
+            for i in 0..len {
+                let texel = start as usize + i;
+                let Some((t, part)) = self.first(bvh, &rays[i], hits[i]) else {
+                    continue;
+                };
+                let stored = view.stored(t).clamp(0.0, 1.0);
+                let id = self.first_id + part;
+                let before = &mut depths[texel];
+                let lower = stored == *before && ids.as_ref().is_some_and(|ids| id < ids[texel]);
+                if stored > *before || (lower && stored > 0.0) {
+                    *before = stored;
+                    if let Some(ids) = &mut ids {
+                        ids[texel] = id;
+                    }
+                }
+            }
+        }
+    }
+
+    /// The depth and the part of the surface that a ray meets first, holes left out.
+    fn first(&self, bvh: &SceneBvh, ray: &Ray, hit: Option<Hit>) -> Option<(f32, u32)> {
+        if let Some(plane) = &self.plane
+            && !self.masked
+        {
+            // Parallel light comes from before the near plane, too.
+            let along = plane.normal.dot(ray.dir);
+            let t = plane.normal.dot(plane.point - ray.origin) / along;
+            return (along != 0.0 && t.is_finite()).then_some((t, 0));
+        }
+        let mut hit = hit?;
+        let scene = bvh.scene();
+        let material = &scene.materials[scene.instances[self.instance as usize].material.index()];
+        // A ray meets a torus four times, and nothing more often.
+        for _ in 0..8 {
+            let is_there =
+                !self.masked || crate::surface::alpha_at(scene, ray, &hit) >= cutoff(material);
+            if is_there {
+                return Some((hit.t, hit.primitive));
+            }
+            let mut rest = *ray;
+            rest.t.min = hit.t;
+            let mut next = [None];
+            self.list.closest(&[rest], &mut next);
+            hit = next[0]?;
+        }
+        None
+    }
+}

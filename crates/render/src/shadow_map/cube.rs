@@ -1,0 +1,58 @@
+//! The views of point and spot lights: a cube of six faces, or one face.
+
+use super::{LightView, view::axes};
+use crate::SpotLight;
+use umbriel_kernels::glam::{DMat3, DVec3, Vec3};
+
+/// The nearest caster's distance as a share of the furthest one's; what is nearer to the light casts no shadow.
+const LEAST_DISTANCE: f32 = 1.0 / (1 << 20) as f32;
+/// Spot lights with wider cones (about 63°) have a cube: one face would spend its texels on the rim.
+const WIDEST_FACE: f32 = 1.1;
+
+/// The views of a spot light whose furthest caster is `reach` away.
+pub(crate) fn spot(light: &SpotLight, reach: f32, side: u32) -> Vec<LightView> {
+    if light.outer_angle > WIDEST_FACE {
+        return cube(light.position, reach, side);
+    }
+    let axes = axes(light.direction.as_dvec3().normalize());
+    // Two texels more, so that filters stay within.
+    let margin = f64::from(side) / (f64::from(side) - 4.0).max(0.5 * f64::from(side));
+    let half = f64::from(light.outer_angle).tan() * margin;
+    let near = reach * LEAST_DISTANCE;
+    vec![LightView::perspective(
+        light.position,
+        &axes,
+        half as f32,
+        side,
+        near,
+    )]
+}
+
+/// The faces of a cube in the order +x, −x, +y, −y, +z, −z.
+pub(crate) fn cube(position: Vec3, reach: f32, side: u32) -> Vec<LightView> {
+    let near = reach * LEAST_DISTANCE;
+    let face = |n: usize| {
+        let sign = if n.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let forward = sign * DMat3::IDENTITY.col(n / 2);
+        let mut axes = axes(forward);
+        // Exact zeros, so that the faces meet without gaps.
+        for column in [&mut axes.x_axis, &mut axes.y_axis] {
+            *column = DVec3::round(*column);
+        }
+        LightView::perspective(position, &axes, 1.0, side, near)
+    };
+    (0..6).map(face).collect()
+}
+
+/// Which face of [`cube`] a direction meets.
+#[inline(always)]
+pub(crate) fn face_of(direction: Vec3) -> usize {
+    let a = direction.abs();
+    if a.x >= a.y && a.x >= a.z {
+        usize::from(direction.x < 0.0)
+    } else if a.y >= a.z {
+        2 + usize::from(direction.y < 0.0)
+    } else {
+        4 + usize::from(direction.z < 0.0)
+    }
+}

@@ -1,0 +1,66 @@
+//! One depth image of a light.
+
+use super::{
+    LightView,
+    bias::{Receiver, is_lit},
+};
+use rayon::prelude::*;
+
+/// The depths that a light sees, and where asked for what it sees them of.
+#[derive(Clone, Debug)]
+pub struct DepthMap {
+    /// How it sees the world.
+    pub view: LightView,
+    /// Stored depths row by row, greater for what is nearer; 0 where nothing is. See [`LightView::linear`].
+    pub stored: Vec<f32>,
+    /// Row by row the number of the caster; `u32::MAX` where nothing is; empty if not asked for.
+    pub(crate) ids: Vec<u32>,
+}
+
+impl DepthMap {
+    /// Depth in metres at a texel; infinite where nothing is, `None` outside.
+    #[inline]
+    pub fn depth(&self, x: u32, y: u32) -> Option<f32> {
+        let side = self.view.side;
+        (x < side && y < side).then(|| self.view.linear(self.stored[(y * side + x) as usize]))
+    }
+
+    /// The least and the greatest depth in metres; `(0, 0)` for an empty map.
+    pub fn range(&self) -> (f32, f32) {
+        // An empty texel counts as neither.
+        let ends = |texels: &[f32]| {
+            texels
+                .iter()
+                .fold([0.0_f32, f32::INFINITY], |[most, least], &stored| {
+                    let known = if stored > 0.0 { stored } else { f32::INFINITY };
+                    [most.max(stored), least.min(known)]
+                })
+        };
+        let both = |a: [f32; 2], b: [f32; 2]| [a[0].max(b[0]), a[1].min(b[1])];
+        let bands = self.stored.par_chunks(1 << 16).map(ends);
+        let [most, least] = bands.reduce(|| [0.0, f32::INFINITY], both);
+        if most == 0.0 {
+            return (0.0, 0.0);
+        }
+        (self.view.linear(most), self.view.linear(least))
+    }
+
+    /// Whether the square from `x − reach` to `x + reach` lies in the map.
+    #[inline(always)]
+    pub(crate) fn holds(&self, receiver: &Receiver, reach: f32) -> bool {
+        let side = self.view.side as f32;
+        let (least, most) = (receiver.at.min_element(), receiver.at.max_element());
+        receiver.z.is_finite() && least >= reach && most < side - reach
+    }
+
+    /// Tells whether the texel leaves light to a receiver; all outside of the map does.
+    #[inline(always)]
+    pub(crate) fn is_lit(&self, receiver: &Receiver, x: i32, y: i32) -> bool {
+        let side = self.view.side;
+        if x < 0 || y < 0 || x as u32 >= side || y as u32 >= side {
+            return true;
+        }
+        let stored = self.stored[y as usize * side as usize + x as usize];
+        is_lit(stored, receiver.at_texel(x, y))
+    }
+}

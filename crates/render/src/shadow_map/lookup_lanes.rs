@@ -1,0 +1,299 @@
+//! The lookup for 64 points at once.
+
+use super::{
+    Bias, DepthMap, LightView, ShadowFilter, ShadowMap, ShadowMaps,
+    bias::{is_lit, receiver},
+};
+use crate::{direct::VisibilityLanes, surface_lanes::SurfaceLanes};
+use umbriel_kernels::{LANES, Lanes, whole_vectors};
+
+/// The second question answered by shadow maps, to the bit as [`ShadowMap::fraction`] answers it.
+#[derive(Debug)]
+pub(crate) struct MapVisibility<'a> {
+    maps: &'a ShadowMaps,
+    receivers: Box<ReceiverLanes>,
+}
+
+/// One receiver a lane, as far as comparisons need it.
+#[derive(Debug)]
+struct ReceiverLanes {
+    /// See [`Receiver`](super::bias::Receiver).
+    stored: Lanes,
+    plane_x: Lanes,
+    plane_y: Lanes,
+    /// The receiver's own texel, or any within reach of the filter where the face does not hold it.
+    texel: [u32; LANES],
+    /// 1 where the face holds the receiver with the filter, otherwise 0.
+    held: Lanes,
+}
+
+impl<'a> MapVisibility<'a> {
+    pub(crate) fn new(maps: &'a ShadowMaps) -> Self {
+        let zero = [0.0; LANES];
+        Self {
+            maps,
+            receivers: Box::new(ReceiverLanes {
+                stored: zero,
+                plane_x: zero,
+                plane_y: zero,
+                texel: [0; LANES],
+                held: zero,
+            }),
+        }
+    }
+}
+
+impl VisibilityLanes for MapVisibility<'_> {
+    #[inline(always)]
+    fn fractions(&mut self, light: usize, surfaces: &SurfaceLanes, fractions: &mut Lanes) {
+        let map = &self.maps.maps[light];
+        let lanes = 0..surfaces.len.min(LANES);
+        let receivers = &mut *self.receivers;
+        if let Some((face, reach)) = map.square() {
+            receivers.fill(face, &map.settings.bias, reach, surfaces);
+            receivers.lit_share(face, reach, surfaces.len, fractions);
+        } else {
+            receivers.held.fill(0.0);
+        }
+        for i in lanes {
+            if receivers.held[i] == 0.0 {
+                let surface = surfaces.get(i);
+                fractions[i] = map.fraction(surface.shadow_p, surface.ng);
+            }
+        }
+    }
+}
+
+impl ShadowMap {
+    /// The first face and the filter's reach in texels, where the filter is a square of comparisons that fits the face, and the first face the
+    /// first one asked.
+    fn square(&self) -> Option<(&DepthMap, u32)> {
+        let reach = match self.settings.filter {
+            ShadowFilter::Hard => 0,
+            ShadowFilter::Pcf { side } => side / 2,
+            _ => return None,
+        };
+        let face = self.faces.first().filter(|_| !self.cube)?;
+        (face.view.side > 2 * reach).then_some((face, reach))
+    }
+}
+
+impl ReceiverLanes {
+    /// Projects the surfaces' points; loops of their own for both kinds of views and the default bias.
+    #[inline(always)]
+    fn fill(&mut self, face: &DepthMap, bias: &Bias, reach: u32, surfaces: &SurfaceLanes) {
+        let view = &face.view;
+        let parallel = LightView {
+            perspective: false,
+            ..*view
+        };
+        let through_light = LightView {
+            perspective: true,
+            ..*view
+        };
+        match (view.perspective, *bias) {
+            (false, Bias::Adaptive { amount }) => {
+                self.fill_each(&parallel, &Bias::Adaptive { amount }, reach, surfaces);
+            }
+            (true, Bias::Adaptive { amount }) => {
+                self.fill_each(&through_light, &Bias::Adaptive { amount }, reach, surfaces);
+            }
+            _ => self.fill_each(view, bias, reach, surfaces),
+        }
+    }
+
+    #[inline(always)]
+    fn fill_each(&mut self, view: &LightView, bias: &Bias, reach: u32, surfaces: &SurfaceLanes) {
+        let last = (view.side - 1 - reach) as f32;
+        let reach = reach as f32;
+        let side = view.side as f32;
+        for i in 0..whole_vectors(surfaces.len) {
+            let surface = surfaces.get(i);
+            let receiver = receiver(view, bias, surface.shadow_p, surface.ng);
+            self.stored[i] = receiver.stored;
+            self.plane_x[i] = receiver.plane.x;
+            self.plane_y[i] = receiver.plane.y;
+            let (x, y) = (receiver.own.x.max(reach), receiver.own.y.max(reach));
+            let (x, y) = (x.min(last) as i32 as u32, y.min(last) as i32 as u32);
+            self.texel[i] = y * view.side + x;
+            let (least, most) = (receiver.at.min_element(), receiver.at.max_element());
+            // In front of the light and in the map; NaN is not.
+            let held = (receiver.z > 0.0)
+                & (receiver.z < f32::INFINITY)
+                & (least >= reach)
+                & (most < side - reach);
+            self.held[i] = if held { 1.0 } else { 0.0 };
+        }
+    }
+
+    /// The share of lit texels up to `reach` around each receiver: tap by tap the depths are gathered, then compared in lanes.
+    #[inline(always)]
+    fn lit_share(&self, face: &DepthMap, reach: u32, len: usize, lit: &mut Lanes) {
+        let lanes = whole_vectors(len);
+        let side = face.view.side;
+        let mut texels = [0.0; LANES];
+        *lit = [0.0; LANES];
+        for row in 0..=2 * reach {
+            for column in 0..=2 * reach {
+                // From the square's first texel.
+                let step = row * side + column;
+                let first = reach * side + reach;
+                for (texel, own) in texels[..lanes].iter_mut().zip(&self.texel) {
+                    *texel = face.stored[(own - first + step) as usize];
+                }
+                let dx = column as f32 - reach as f32;
+                let dy = row as f32 - reach as f32;
+                for i in 0..lanes {
+                    let compared = self.stored[i] + (self.plane_x[i] * dx + self.plane_y[i] * dy);
+                    lit[i] += if is_lit(texels[i], compared) {
+                        1.0
+                    } else {
+                        0.0
+                    };
+                }
+            }
+        }
+        let width = (2 * reach + 1) as f32;
+        for lit in &mut lit[..lanes] {
+            *lit /= width * width;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        Camera, DirectionalLight, Geometry, Instance, Light, MaterialId, PointLight, Scene,
+        SceneBvh, Settings, ShadowMapSettings, SpotLight, SurfaceId,
+    };
+    use umbriel_kernels::{
+        Plane, Ray, Sphere, Surface, VectorUnit,
+        glam::{Affine3A, Vec2, Vec3},
+    };
+
+    fn scene() -> Scene {
+        let mut scene = Scene {
+            surfaces: vec![
+                Surface::Sphere(Sphere {
+                    center: Vec3::Y,
+                    radius: 0.7,
+                }),
+                Surface::Plane(Plane {
+                    point: Vec3::ZERO,
+                    normal: Vec3::Y,
+                }),
+            ],
+            materials: vec![Default::default()],
+            ..Scene::default()
+        };
+        for i in 0..2 {
+            scene.instances.push(Instance {
+                name: String::new(),
+                geometry: Geometry::Surface(SurfaceId(i)),
+                transform: Affine3A::IDENTITY,
+                material: MaterialId(0),
+                inside_out: false,
+            });
+        }
+        let (name, position) = (String::new(), Vec3::new(1.0, 4.0, 0.5));
+        let direction = -position.normalize();
+        let intensity = Vec3::ONE;
+        let range = f32::INFINITY;
+        scene.lights = vec![
+            Light::Directional(DirectionalLight {
+                name: name.clone(),
+                direction,
+                illuminance: intensity,
+            }),
+            Light::Point(PointLight {
+                name: name.clone(),
+                position,
+                intensity,
+                range,
+            }),
+            Light::Spot(SpotLight {
+                name,
+                position,
+                direction,
+                intensity,
+                range,
+                inner_angle: 0.1,
+                outer_angle: 0.6,
+            }),
+        ];
+        scene
+    }
+
+    #[test]
+    fn lanes_equal_single_lookups_to_the_bit() {
+        let scene = scene();
+        let bvh = SceneBvh::build(&scene);
+        let camera = Camera::look_at("", Vec3::new(2.0, 3.0, 4.0), Vec3::ZERO, Vec3::Y, 1.0);
+        let frame = camera.frame([64, 64]);
+        for (bias, filter) in [
+            ("adaptive", "hard"),
+            ("adaptive", "pcf:3"),
+            ("normal-offset:1", "pcf:5"),
+            ("receiver-plane:1", "vogel:7:2"),
+        ] {
+            let map = ShadowMapSettings {
+                resolution: 64,
+                bias: bias.parse().unwrap(),
+                filter: filter.parse().unwrap(),
+                cascades: 2,
+                ..Default::default()
+            };
+            let settings = Settings {
+                shadow_maps: vec![map; 3],
+                ..Settings::default()
+            };
+            let maps = ShadowMaps::render(&bvh, &camera, &settings, false);
+            for y in 0..64 {
+                let rays: Vec<Ray> = (0..64)
+                    .map(|x| frame.ray(Vec2::new(x as f32, y as f32)))
+                    .collect();
+                let mut hits = vec![None; 64];
+                bvh.intersect(&rays, &mut hits);
+                for instance in 0..2 {
+                    let seen: Vec<_> = rays
+                        .iter()
+                        .copied()
+                        .zip(hits.iter().flatten().copied())
+                        .filter(|s| s.1.instance == instance)
+                        .collect();
+                    check(&bvh, &maps, instance, &seen);
+                }
+            }
+        }
+    }
+
+    fn check(
+        bvh: &SceneBvh,
+        maps: &ShadowMaps,
+        instance: u32,
+        seen: &[(Ray, umbriel_kernels::Hit)],
+    ) {
+        let mut surfaces = SurfaceLanes::default();
+        let mut lanes = MapVisibility::new(maps);
+        let mut fractions = [0.0; LANES];
+        for unit in VectorUnit::available() {
+            for light in 0..3 {
+                unit.run(
+                    #[inline(always)]
+                    || {
+                        surfaces.fill(bvh, instance, seen.iter().copied());
+                        lanes.fractions(light, &surfaces, &mut fractions);
+                    },
+                );
+                for (i, fraction) in fractions.iter().enumerate().take(seen.len()) {
+                    let surface = surfaces.get(i);
+                    assert_eq!(
+                        *fraction,
+                        maps.of(light).fraction(surface.shadow_p, surface.ng)
+                    );
+                }
+            }
+        }
+    }
+}
