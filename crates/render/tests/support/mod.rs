@@ -1,6 +1,8 @@
 //! Small scenes and random numbers for the tests.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub(crate) mod shadow_scene;
+
 use std::sync::atomic::AtomicBool;
 use umbriel_render::{
     Camera, Control, DirectionalLight, Environment, Film, Geometry, Instance, Light, Material,
