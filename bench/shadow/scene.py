@@ -4,13 +4,11 @@
 files: NAME.toml for Umbriel, NAME.ply for everybody, NAME.json for the peers, which adds what a scene file has no words
 for: the view of the light, the bias.
 
-The view of the light, in f64 from the mesh's positions as they are in the file, with d the unit direction of the light:
+The view of the light is Umbriel's own, which fits it to what the camera sees; `bench/shadow.py` writes it into the JSON file:
 
-    c = middle of the mesh's bounding box          r = greatest distance of a vertex from c
-    right = d x y / |d x y|                        up = right x d                (y up in the world)
-    x = (p - c).right / r     y = (p - c).up / r    z = ((p - c).d + r) / 2r
+    (x, y, z) = matrix (p, 1)
 
-x and y in [-1, 1] are the map, y up; z is 0 on the side of the light and 1 on the other. A texel is 2r/SIZE wide.
+x and y in [-1, 1] are the map, y up; z is 0 on the side of the light and 1 on the other. A texel is `texel` metres wide.
 """
 
 import json
@@ -30,9 +28,8 @@ PLANES = {"near": 0.5, "far": 60.0}
 LIGHT = {"direction": [-8.0, -14.0, -6.0], "illuminance": [2.6, 2.5, 2.3]}
 MATERIAL = {"base_color": [0.75, 0.6, 0.45], "roughness": 0.5, "ior": 1.5}
 SKY = [0.14, 0.18, 0.25]
-SIZE = 2048
-# In texels, by the number of taps: enough for the reach of a tap, half a texel or one and a half along both axes.
-BIAS = {"slope": {"1": 1.0, "9": 2.5}, "constant": 0.1, "greatest_tan": 10.0}
+# In texels, by the number of taps, as BIAS in umbriel/src/main.rs.
+BIAS = {"slope": {"1": 1.0, "9": 2.5}, "constant": 0.0, "greatest_tan": 10.0}
 
 
 def grid(u, v):
@@ -72,21 +69,6 @@ def mesh(size):
     starts = numpy.cumsum([0] + [len(part[0]) for part in parts])
     vertices = numpy.concatenate([numpy.hstack(part[:2]) for part in parts]).astype("<f4")
     return vertices, numpy.concatenate([part[2] + start for part, start in zip(parts, starts)]).astype("<u4")
-
-
-def light_view(positions):
-    """The matrix from world to map, its rows as in the module's words, and the radius r."""
-    d = numpy.array(LIGHT["direction"])
-    d /= numpy.linalg.norm(d)
-    right = numpy.cross(d, [0.0, 1.0, 0.0])
-    right /= numpy.linalg.norm(right)
-    positions = positions.astype("f8")
-    c = (positions.min(0) + positions.max(0)) / 2
-    r = numpy.linalg.norm(positions - c, axis=1).max()
-    matrix = numpy.eye(4)
-    for row, (axis, scale, offset) in enumerate([(right, r, 0), (numpy.cross(right, d), r, 0), (d, 2 * r, 0.5)]):
-        matrix[row] = [*(axis / scale), offset - axis @ c / scale]
-    return matrix, r
 
 
 def write_ply(path, vertices, triangles):
@@ -131,12 +113,10 @@ material = "clay"
 def main():
     folder, size = Path(sys.argv[1]), int(sys.argv[2])
     vertices, triangles = mesh(size)
-    matrix, r = light_view(vertices[:, :3])
     path = folder / f"tori_{size}.toml"
     write_ply(path.with_suffix(".ply"), vertices, triangles)
     write_toml(path)
-    shadow_map = {"size": SIZE, "matrix": matrix.tolist(), "texel": 2 * r / SIZE, "depth": 2 * r, "bias": BIAS}
-    words = {"triangles": len(triangles), "camera": CAMERA | PLANES, "light": LIGHT, "map": shadow_map}
+    words = {"triangles": len(triangles), "camera": CAMERA | PLANES, "light": LIGHT, "bias": BIAS}
     words |= {"material": MATERIAL, "sky": SKY}
     path.with_suffix(".json").write_text(json.dumps(words, indent=1) + "\n")
     print(path)

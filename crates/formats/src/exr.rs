@@ -75,8 +75,9 @@ fn channels(
         .enumerate()
         .map(|(c, name)| AnyChannel::new(*name, cut(&|i| image.pixels[i][c])));
     let others = layers.iter().flat_map(|layer| {
-        let names = layer.aov.channels().iter();
-        names
+        layer
+            .names
+            .iter()
             .zip(&layer.channels)
             .map(|(name, data)| AnyChannel::new(*name, cut(&|i| data[i])))
     });

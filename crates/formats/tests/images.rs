@@ -80,7 +80,7 @@ fn exr_keeps_every_float_and_layer() {
     image.pixels[5] = [f32::INFINITY, -0.0, 1e-40, 0.0];
     let depth: Vec<f32> = (0..360).map(|i| i as f32).collect();
     let layers = [Layer {
-        aov: Aov::Depth,
+        names: Aov::Depth.channels(),
         channels: vec![depth.clone()],
     }];
     let info = ExrInfo {

@@ -24,7 +24,7 @@ pub fn render_aovs(
     let mut layers: Vec<Layer> = aovs
         .iter()
         .map(|&aov| Layer {
-            aov,
+            names: aov.channels(),
             channels: vec![Vec::with_capacity((width * height) as usize); aov.channels().len()],
         })
         .collect();
@@ -33,7 +33,7 @@ pub fn render_aovs(
             .into_par_iter()
             .map(|y| trace_row(bvh, &frame, settings, y))
             .collect();
-        for Layer { aov, channels } in &mut layers {
+        for (aov, Layer { channels, .. }) in aovs.iter().zip(&mut layers) {
             let value = |(ray, hit): &(Ray, Option<Hit>)| {
                 value(bvh, frame.forward, *aov, ray, hit.as_ref())
             };

@@ -15,9 +15,9 @@ pub struct Image {
 /// A named group of channels beside the picture (an arbitrary output variable), of the picture's size.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layer {
-    /// What it holds.
-    pub aov: Aov,
-    /// One vector of `width · height` values for each name of [`Aov::channels`], in that order.
+    /// Names of its channels in an EXR file, as [`Aov::channels`] or [`Show::channels`](crate::Show::channels) gives them.
+    pub names: &'static [&'static str],
+    /// One vector of `width · height` values for each name.
     pub channels: Vec<Vec<f32>>,
 }
 

@@ -25,6 +25,7 @@
 //! | soft edges of mapped shadows | [`ShadowFilter`] | Reeves et al. 1987; Fernando 2005; Donnelly & Lauritzen 2006; Peters & Klein 2015 |
 //! | places of samples | [`sample_pixel`] | Hammersley 1960; Cranley & Patterson 1976 |
 //! | tone curves, sRGB | [`develop`] | Khronos 2024; Hill 2016; Sobotka 2022; IEC 61966-2-1 |
+//! | the pictures of shadow mapping | [`show()`] with a [`Show`] | |
 //! | how two pictures differ | [`compare()`] | Wang et al. 2004 (SSIM) |
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
@@ -59,6 +60,7 @@ mod settings;
 mod shade_block;
 mod shadow_map;
 mod shadow_rays;
+mod show;
 mod surface;
 mod surface_lanes;
 mod texture;
@@ -92,6 +94,7 @@ pub use shadow_map::{
     ShadowMapSettings, ShadowMaps, ShadowTextError, Tap,
 };
 pub use shadow_rays::ShadowRays;
+pub use show::{Fact, Show, ShowContext, Shown, show};
 pub use surface::{SurfaceInteraction, surface_interaction};
 pub use texture::{Checker, Encoding, Filter, ImageTexture, Texture, Wrap};
 pub use umbriel_kernels as kernels;

@@ -484,7 +484,7 @@ fn layers_hold_what_is_hit() {
     let at = |aov: Aov, pixel: usize| {
         let layer = layers
             .iter()
-            .find(|layer| layer.aov == aov)
+            .find(|layer| layer.names == aov.channels())
             .expect("all layers were asked for");
         layer
             .channels

@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::show::{ShowList, parse_show};
 use crate::values::{
     Exposure, Resolution, parse_aovs, parse_crop, parse_definition, parse_exposure, parse_fov,
     parse_light_size, parse_resolution, parse_threshold, parse_tolerance, parse_vector,
@@ -124,6 +125,14 @@ pub(crate) struct RenderArgs {
     /// primitive, material; or all
     #[arg(long, value_name = "LIST|all", value_parser = parse_aovs)]
     pub(crate) aov: Option<AovList>,
+    /// Explain shadow mapping by a picture: lit, light-view, light-depth, compare, map-texels or shadowed; by all on one labelled
+    /// sheet; or, into an EXR file, by a list of them or all as layers. Implies --method shadow-map
+    #[arg(long, value_name = "NAME|sheet|LIST", value_parser = parse_show)]
+    pub(crate) show: Option<ShowList>,
+    /// Light that --show is about, by its name, or by its number from 0 [default: the first directional light, or else the
+    /// first]
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub(crate) show_light: Option<String>,
     /// Let no light cast a shadow
     #[arg(long)]
     pub(crate) no_shadows: bool,

@@ -14,6 +14,8 @@ mod render;
 mod run;
 mod say;
 mod shadow_maps;
+mod sheet;
+mod show;
 mod summary;
 mod values;
 mod watch;

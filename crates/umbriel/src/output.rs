@@ -5,11 +5,13 @@ use crate::{
     errors::Failure,
     plan::{Plan, Target},
     run::print_bytes,
+    sheet::Bitmap,
+    show::ShownFilm,
     values::Exposure,
 };
 use umbriel_formats::{
     ExrInfo, encode_exr, encode_png,
-    render::{Image, Layer, Method, Sampling, auto_exposure, develop},
+    render::{Method, Sampling, auto_exposure, develop},
     write_file,
 };
 
@@ -18,9 +20,9 @@ pub(crate) fn write_picture(
     args: &RenderArgs,
     plan: &Plan,
     target: Target,
-    image: &Image,
-    layers: &[Layer],
+    shown: &ShownFilm,
 ) -> Result<f32, Failure> {
+    let image = &shown.film.image;
     if target == Target::Exr {
         let comments = comments(args, plan);
         let info = ExrInfo {
@@ -28,15 +30,24 @@ pub(crate) fn write_picture(
             software: concat!("umbriel ", env!("CARGO_PKG_VERSION")),
             comments: &comments,
         };
-        write_file(&args.output, &encode_exr(image, layers, &info))?;
+        write_file(&args.output, &encode_exr(image, &shown.layers, &info))?;
         return Ok(0.0);
     }
     let stops = match plan.exposure {
         Exposure::Stops(stops) => stops,
         Exposure::Auto => auto_exposure(image),
     };
-    let pixels = develop(image, stops, plan.tonemap);
-    let bytes = encode_png(image.width, image.height, &pixels);
+    let bytes = match &shown.bitmap {
+        Some(Bitmap {
+            width,
+            height,
+            pixels,
+        }) => encode_png(*width, *height, pixels),
+        None => {
+            let pixels = develop(image, stops, plan.tonemap);
+            encode_png(image.width, image.height, &pixels)
+        }
+    };
     match target {
         Target::Stdout => print_bytes(&bytes)?,
         Target::Png | Target::Exr => write_file(&args.output, &bytes)?,

@@ -9,7 +9,7 @@ use crate::{
 use std::{fs, path::Path};
 use umbriel_formats::{
     FileError, Loaded, SceneSettings, check_output,
-    render::{Sampling, Settings, Tonemap},
+    render::{Method, Sampling, Settings, Tonemap},
 };
 
 /// Where the picture goes and as what.
@@ -116,6 +116,7 @@ fn settings(args: &RenderArgs, scene: &SceneSettings, size: [u32; 2]) -> Setting
         method: args
             .method
             .map(Into::into)
+            .or(args.show.is_some().then_some(Method::ShadowMap))
             .or(scene.method)
             .unwrap_or(base.method),
         resolution: size,

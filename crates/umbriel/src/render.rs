@@ -11,6 +11,7 @@ use crate::{
     progress::Progress,
     run::print_line,
     shadow_maps::{check_shadow_memory, idle_shadow_options},
+    show::{self, ShowList, ShowPlan, ShownFilm, choose_show},
     summary::{Phases, Summary, print_loaded},
     values::{Exposure, Resolution},
     watch,
@@ -22,7 +23,7 @@ use std::{
 };
 use umbriel_formats::{
     LoadOptions, Loaded, check_inputs, load_scene,
-    render::{Camera, Control, Film, Layer, Light, SceneBvh, Settings, render, render_aovs},
+    render::{Camera, Control, Light, SceneBvh, Settings, render, render_aovs},
 };
 
 /// Renders once, or again and again.
@@ -44,25 +45,26 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
     check_memory(plan.settings.resolution, exr_channels(args, target))?;
     check_shadow_memory(&plan.settings, &loaded.scene.lights)?;
     let camera = choose_camera(&loaded.scene, args)?;
+    let show = choose_show(args, target, &plan, &loaded.scene.lights)?;
     if !args.quiet {
         print_loaded(args, &loaded, &plan, &camera, target);
     }
 
     let (bvh, build) = timed(|| pool.install(|| SceneBvh::build(&loaded.scene)));
-    let ((film, layers), render) = timed(|| trace(args, &pool, &bvh, &camera, &plan));
-    if interrupt::stopped() && film.stats.pixels == 0 {
+    let (shown, render) = timed(|| trace(args, &pool, &bvh, &camera, &plan, show.as_ref()));
+    if interrupt::stopped() && shown.film.stats.pixels == 0 {
         return Err(interrupted_early());
     }
     interrupt::enter(Phase::Writing);
-    let (written, write) =
-        timed(|| pool.install(|| write_picture(args, &plan, target, &film.image, &layers)));
+    let (written, write) = timed(|| pool.install(|| write_picture(args, &plan, target, &shown)));
     interrupt::enter(Phase::Waiting);
 
     let summary = Summary {
         args,
         loaded: &loaded,
         plan: &plan,
-        stats: film.stats,
+        stats: shown.film.stats,
+        captions: &shown.captions,
         exposure: written?,
         threads: pool.current_num_threads(),
         bvh_memory: bvh.memory(),
@@ -85,8 +87,12 @@ fn exr_channels(args: &RenderArgs, target: Target) -> u64 {
         .flatten()
         .map(|aov| aov.channels().len())
         .sum();
+    let shows = match &args.show {
+        Some(ShowList::Pictures(shows)) => 3 * shows.len(),
+        Some(ShowList::Sheet) | None => 0,
+    };
     if target == Target::Exr {
-        4 + layers as u64
+        4 + (layers + shows) as u64
     } else {
         0
     }
@@ -171,22 +177,26 @@ fn trace(
     bvh: &SceneBvh,
     camera: &Camera,
     plan: &Plan,
-) -> (Film, Vec<Layer>) {
+    show: Option<&ShowPlan>,
+) -> ShownFilm {
     let progress = Progress::new(args.quiet);
     let control = Control {
         stop: &STOP,
         progress: &|done, total| progress.update(done, total),
     };
     interrupt::enter(Phase::Rendering);
-    let film = pool.install(|| render(bvh, camera, &plan.settings, &control));
+    let mut shown = pool.install(|| match show {
+        Some(show) => show::draw(show, plan, bvh, camera, &control),
+        None => ShownFilm::from(render(bvh, camera, &plan.settings, &control)),
+    });
     progress.finish();
-    let layers = match &args.aov {
-        Some(aovs) if !interrupt::stopped() => {
-            pool.install(|| render_aovs(bvh, camera, &plan.settings, aovs))
-        }
-        _ => Vec::new(),
-    };
-    (film, layers)
+    if let Some(aovs) = &args.aov
+        && !interrupt::stopped()
+    {
+        let layers = pool.install(|| render_aovs(bvh, camera, &plan.settings, aovs));
+        shown.layers.extend(layers);
+    }
+    shown
 }
 
 fn build_pool(threads: u32) -> Result<ThreadPool, Failure> {

@@ -103,7 +103,7 @@ pub(crate) fn shadow_map_lines(settings: &Settings, lights: &[Light]) -> Vec<Str
 }
 
 /// `6 of 2048x2048, 96.0 MiB, bias adaptive:1, filter pcss:64, light of 0.1 m`.
-fn map_words(light: &Light, map: &ShadowMapSettings) -> String {
+pub(crate) fn map_words(light: &Light, map: &ShadowMapSettings) -> String {
     let (side, bytes) = (map.resolution, memory(map_bytes(light, map) as f64));
     let count = match images(light, map) {
         1 => String::new(),

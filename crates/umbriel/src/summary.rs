@@ -8,6 +8,7 @@ use crate::{
     render::idle_options,
     say::say,
     shadow_maps::{shadow_map_lines, shadow_maps_json},
+    show::Caption,
     values::Exposure,
 };
 use serde_json::{Value, json};
@@ -34,6 +35,8 @@ pub(crate) struct Summary<'a> {
     pub(crate) loaded: &'a Loaded,
     pub(crate) plan: &'a Plan,
     pub(crate) stats: Stats,
+    /// Of the pictures of `--show`.
+    pub(crate) captions: &'a [Caption],
     /// Stops that were applied.
     pub(crate) exposure: f32,
     pub(crate) threads: usize,
@@ -138,6 +141,9 @@ impl Summary<'_> {
                 self.exposure
             ));
         }
+        for caption in self.captions {
+            say(&caption.line());
+        }
         let [load, build, render, write, _] = self.times();
         say(&format!(
             "load {load}, build {build}, render {render}, write {write}"
@@ -195,6 +201,7 @@ impl Summary<'_> {
             "adaptive": adaptive,
             "depth": settings.depth,
             "shadow_maps": shadow_maps_json(settings, &self.loaded.scene.lights),
+            "show": self.captions.iter().map(Caption::to_json).collect::<Vec<_>>(),
             "seed": settings.seed,
             "threads": self.threads,
             "phases": {

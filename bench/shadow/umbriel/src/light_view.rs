@@ -1,48 +1,24 @@
-//! The view of the light that all renderers share, from the JSON file beside the scene; `scene.py` states its rule.
+//! The view of the light that all renderers share: Umbriel's own, told to the peers through the JSON file beside the scene.
 
-use serde::Deserialize;
-use std::{collections::HashMap, fs, path::Path};
+use serde_json::{Value, json};
+use umbriel_render::{DepthMap, LightView, kernels::glam::{DMat4, DVec3}};
 
-/// What of the JSON file concerns a renderer that reads the scene file.
-#[derive(Debug, Deserialize)]
-struct Words {
-    map: LightView,
+/// What the JSON file says of a map of parallel light; `scene.py` states the meaning.
+pub fn words(map: &DepthMap) -> Value {
+    let view = &map.view;
+    json!({
+        "size": view.side,
+        "matrix": matrix(view),
+        "texel": view.texel_width(1.0),
+        "depth": view.far,
+    })
 }
 
-/// An orthographic shadow map.
-#[derive(Debug, Deserialize)]
-#[expect(dead_code, reason = "for the passes to come")]
-pub struct LightView {
-    /// Texels along each side.
-    pub size: u32,
-    /// World to map, row by row: x and y in [-1, 1], y up, z from 0 at the light's side to 1.
-    pub matrix: [[f64; 4]; 4],
-    /// Width of a texel in metres.
-    pub texel: f64,
-    /// Metres from z = 0 to z = 1.
-    pub depth: f64,
-    /// How far compared depths are moved towards the light.
-    pub bias: Bias,
-}
-
-/// In texels: `slope · min(tan θ, greatest_tan) + constant`, θ between the triangle's own normal and the light.
-#[derive(Debug, Deserialize)]
-#[expect(dead_code, reason = "for the passes to come")]
-pub struct Bias {
-    /// By the number of taps.
-    pub slope: HashMap<u32, f32>,
-    /// On every surface.
-    pub constant: f32,
-    /// Greatest tangent that counts.
-    pub greatest_tan: f32,
-}
-
-impl LightView {
-    /// Reads the file beside the scene file.
-    pub fn read(scene: &Path) -> Result<Self, String> {
-        let path = scene.with_extension("json");
-        let text = fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))?;
-        let words: Words = serde_json::from_slice(&text).map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(words.map)
-    }
+/// World to map, row by row: x and y in [-1, 1], y up, z from 0 at the light's side to 1.
+fn matrix(view: &LightView) -> [[f64; 4]; 4] {
+    let from_origin = DMat4::from_translation(-view.origin.as_dvec3());
+    // Umbriel stores 1 - z.
+    let turned = DMat4::from_translation(DVec3::Z) * DMat4::from_scale(DVec3::new(1.0, 1.0, -1.0));
+    let matrix = turned * view.matrix().as_dmat4() * from_origin;
+    matrix.transpose().to_cols_array_2d()
 }

@@ -1,23 +1,39 @@
 //! Umbriel's side of `bench/run shadow`: `bench-shadow SCENE THREADS` answers requests until its input ends.
+//!
+//! Its first line names it and its view of the light.
 
 mod light_view;
 mod request;
 
-use light_view::LightView;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use request::{Answer, Request, Times};
 use rustix::time::{ClockId, clock_gettime};
-use std::{env, io, path::Path, process::ExitCode, time::Instant};
-use umbriel_formats::{LoadOptions, Loaded, load_scene};
+use std::{
+    env, io,
+    path::Path,
+    process::ExitCode,
+    sync::{Mutex, atomic::AtomicBool},
+    time::Instant,
+};
+use umbriel_formats::{LoadOptions, encode_png, load_scene, write_file};
+use umbriel_render::{
+    Bias, BiasUnit, Control, Method, Scene, SceneBvh, Settings, ShadowFilter, ShadowMapSettings, ShadowMaps, Tonemap,
+    develop, render_with_maps,
+};
 
 /// Everything that stays from request to request.
 struct Stage {
-    #[expect(dead_code, reason = "for the passes to come")]
-    loaded: Loaded,
-    #[expect(dead_code, reason = "for the passes to come")]
-    light: LightView,
+    /// The scene with both sides of its triangles, and with their fronts alone.
+    scenes: [Scene; 2],
     pool: ThreadPool,
 }
+
+/// The width and height whose view of the light the peers are told; it depends on their ratio.
+const SIZE: [u32; 2] = [1280, 720];
+/// Texels a side of the map.
+const TEXELS: u32 = 2048;
+/// Of the slope, by the number of taps: enough for the reach of a tap, half a texel or one and a half along both axes.
+const BIAS: [(u32, f32); 2] = [(1, 1.0), (9, 2.5)];
 
 fn main() -> ExitCode {
     match run() {
@@ -33,43 +49,83 @@ fn run() -> Result<(), String> {
     let [scene, threads] = env::args().skip(1).collect::<Vec<_>>().try_into().map_err(|_| "expected SCENE THREADS")?;
     let scene = Path::new(&scene);
     let threads = threads.parse().map_err(|_| format!("`{threads}`: expected a number of threads"))?;
+    let loaded = load_scene(scene, &LoadOptions::default()).map_err(|error| error.to_string())?;
     let stage = Stage {
-        loaded: load_scene(scene, &LoadOptions::default()).map_err(|error| error.to_string())?,
-        light: LightView::read(scene)?,
+        scenes: [true, false].map(|both_sides| with_sides(loaded.scene.clone(), both_sides)),
         pool: ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?,
     };
-    println!("{}", serde_json::json!({ "name": format!("umbriel, {threads} threads") }));
+    let bvhs = stage.scenes.each_ref().map(|scene| stage.pool.install(|| SceneBvh::build(scene)));
+    let maps = ShadowMaps::render(&bvhs[0], &stage.scenes[0].cameras[0], &settings(SIZE, 1)?, false);
+    let map = maps.of(0).faces().first().ok_or("the light sees nothing")?;
+    let name = format!("umbriel, {threads} threads");
+    println!("{}", serde_json::json!({ "name": name, "map": light_view::words(map) }));
     for line in io::stdin().lines() {
         let line = line.map_err(|error| error.to_string())?;
         let request = serde_json::from_str(&line).map_err(|error| format!("{line}: {error}"))?;
-        let answer = draw(&stage, &request).map_or_else(|error| Answer::Refused { error }, Answer::Drawn);
+        let answer = draw(&stage, &bvhs, &request).map_or_else(|error| Answer::Refused { error }, Answer::Drawn);
         println!("{}", serde_json::to_string(&answer).map_err(|error| error.to_string())?);
     }
     Ok(())
 }
 
-/// Draws the frames of a request.
-fn draw(stage: &Stage, request: &Request) -> Result<Times, String> {
-    let [mut draw_map, mut draw_eye] = passes(stage, request)?;
-    Ok(stage.pool.install(|| measure(&mut draw_map, &mut draw_eye, request.frames)))
+/// The scene with its triangles visible from both sides, or from their fronts alone.
+fn with_sides(mut scene: Scene, both: bool) -> Scene {
+    for material in &mut scene.materials {
+        material.double_sided = both;
+    }
+    scene
 }
 
-/// A pass that can be drawn again and again.
-type Pass<'a> = Box<dyn FnMut() + Send + 'a>;
+fn settings(resolution: [u32; 2], taps: u32) -> Result<Settings, String> {
+    let amount = BIAS.iter().find(|bias| bias.0 == taps).ok_or("expected 1 or 9 taps")?.1;
+    let map = ShadowMapSettings {
+        resolution: TEXELS,
+        bias: Bias::SlopeScaled { amount, unit: BiasUnit::Texels },
+        filter: match taps {
+            1 => ShadowFilter::Hard,
+            _ => ShadowFilter::Pcf { side: 3 },
+        },
+        ..ShadowMapSettings::default()
+    };
+    Ok(Settings {
+        method: Method::ShadowMap,
+        resolution,
+        shadow_maps: vec![map],
+        ..Settings::default()
+    })
+}
 
-/// The pass from the light and the pass from the eye.
-fn passes<'a>(_stage: &'a Stage, _request: &'a Request) -> Result<[Pass<'a>; 2], String> {
-    Err("there are no shadow maps yet".to_owned())
+/// Draws the frames of a request. Nothing is kept from frame to frame but the scene's own preparation.
+fn draw(stage: &Stage, bvhs: &[SceneBvh; 2], request: &Request) -> Result<Times, String> {
+    let size = [request.width, request.height];
+    let bvh = &bvhs[usize::from(request.cull)];
+    let camera = &bvh.scene().cameras[0];
+    let settings = settings(size, request.taps)?;
+    let control = Control { stop: &AtomicBool::new(false), progress: &|_, _| () };
+    let maps = Mutex::new(None);
+    let mut pixels = Vec::new();
+    let mut draw_map = || *maps.lock().expect("no pass panics") = Some(ShadowMaps::render(bvh, camera, &settings, false));
+    let mut draw_eye = || {
+        let maps = maps.lock().expect("no pass panics");
+        let film = render_with_maps(bvh, camera, &settings, maps.as_ref(), &control);
+        pixels = develop(&film.image, 0.0, Tonemap::Linear);
+    };
+    let times = stage.pool.install(|| measure(&mut draw_map, &mut draw_eye, request.frames));
+    if let Some(path) = &request.picture {
+        let bytes = encode_png(size[0] as usize, size[1] as usize, &pixels);
+        write_file(path, &bytes).map_err(|error| error.to_string())?;
+    }
+    Ok(times)
 }
 
 /// Times each pass and both together, after a frame that does not count.
-fn measure(draw_map: &mut Pass, draw_eye: &mut Pass, frames: usize) -> Times {
+fn measure(mut draw_map: impl FnMut(), mut draw_eye: impl FnMut(), frames: usize) -> Times {
     draw_map();
     draw_eye();
     let mut times = Times::default();
     for _ in 0..frames {
-        times.map.push(timed(&mut *draw_map).0);
-        times.eye.push(timed(&mut *draw_eye).0);
+        times.map.push(timed(&mut draw_map).0);
+        times.eye.push(timed(&mut draw_eye).0);
         let (wall, cpu) = timed(|| {
             draw_map();
             draw_eye();

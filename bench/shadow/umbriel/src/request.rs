@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 /// One picture to draw, several times.
 #[derive(Debug, Deserialize)]
-#[expect(dead_code, reason = "for the passes to come")]
 pub struct Request {
     /// Pixels.
     pub width: u32,

@@ -1,6 +1,6 @@
 //! Pass 1: everything that stands in the light's way is drawn into its depth image.
 
-use super::{DepthMap, LightView};
+use super::{DepthMap, LightView, cover::covered};
 use crate::{AlphaMode, Geometry, GlassShadows, InstanceId, Material, SceneBvh};
 use rayon::prelude::*;
 use umbriel_kernels::{
@@ -130,36 +130,6 @@ fn solid(
     })
 }
 
-/// The pixels of a picture of `size` around the view's square that an instance may cover: all of them where it has no box or
-/// reaches behind the light.
-pub(crate) fn covered(view: &LightView, bvh: &SceneBvh, i: usize, size: [u32; 2]) -> [u32; 4] {
-    let [width, height] = size.map(|side| side as f32);
-    let all = [0, 0, size[0], size[1]];
-    let Some(bounds) = bvh.world_bounds(i) else {
-        return all;
-    };
-    let left = 0.5 * (width - view.side as f32);
-    let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-    for k in 0..8 {
-        let pick = |axis: usize| [bounds.min, bounds.max][k >> axis & 1][axis];
-        let seen = view.project(Vec3::new(pick(0), pick(1), pick(2)));
-        if view.perspective && seen.z <= view.near {
-            return all;
-        }
-        let at = seen.at + Vec2::new(left, 0.0);
-        (min, max) = (min.min(at), max.max(at));
-    }
-    // One pixel more than rounding and samples beside the centre could need.
-    let low = |x: f32, end: f32| (x.floor() - 2.0).clamp(0.0, end) as u32;
-    let high = |x: f32, end: f32| (x.ceil() + 2.0).clamp(0.0, end) as u32;
-    [
-        low(min.x, width),
-        low(min.y, height),
-        high(max.x, width),
-        high(max.y, height),
-    ]
-}
-
 impl Solid {
     fn draw_row(
         &self,
@@ -177,7 +147,9 @@ impl Solid {
                 let world = view.ray(Vec2::new((start + i as u32) as f32 + 0.5, y as f32 + 0.5));
                 *ray = self.to_object.map_or(world, |m| world.transformed(&m));
             }
-            self.list.closest(&rays[..len], &mut hits[..len]);
+            if self.plane.is_none() || self.masked {
+                self.list.closest(&rays[..len], &mut hits[..len]);
+            }
             for i in 0..len {
                 let texel = start as usize + i;
                 let Some((t, part)) = self.first(bvh, &rays[i], hits[i]) else {

@@ -13,6 +13,7 @@
 mod bias;
 mod casters;
 mod convex;
+mod cover;
 mod cube;
 mod depth_map;
 mod draw;
@@ -26,7 +27,7 @@ mod taps;
 mod text;
 mod view;
 
-pub(crate) use casters::covered;
+pub(crate) use cover::covered;
 pub use depth_map::DepthMap;
 pub use draw::{ShadowMap, ShadowMaps};
 pub(crate) use extent::Extent;
