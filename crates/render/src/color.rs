@@ -45,16 +45,22 @@ fn decode_srgb(v: f64) -> f32 {
 /// Source: IEC 61966-2-1, 1999.
 #[inline]
 pub fn linear_to_srgb(linear: f32) -> u8 {
-    static ENCODER: LazyLock<SrgbEncoder> = LazyLock::new(SrgbEncoder::new);
     ENCODER.encode(linear)
 }
 
+static ENCODER: LazyLock<SrgbEncoder> = LazyLock::new(SrgbEncoder::new);
+
 /// Finds the nearest byte by the upper bits of a float and one comparison.
 struct SrgbEncoder {
-    /// `bounds[i]` is the least linear value whose nearest byte is `i + 1`; no value reaches the last.
-    bounds: [f32; 256],
-    /// The byte of the least float of each class of equal upper bits, from that of `LEAST` to that of 1.
-    bytes: Vec<u8>,
+    /// For each class of floats of equal upper bits, from that of `LEAST` to that of 1.
+    steps: [Step; Self::CLASSES],
+}
+
+/// The byte of the least float of a class, and the least linear value whose nearest byte is the next one.
+#[derive(Clone, Copy)]
+struct Step {
+    bound: f32,
+    byte: u8,
 }
 
 impl SrgbEncoder {
@@ -63,28 +69,28 @@ impl SrgbEncoder {
     /// Lower bits that a class leaves out. Seven bits of the mantissa remain: a class is at most 1/128 of its values
     /// wide, which is less than the distance of two bounds anywhere, so that no class holds more than one.
     const SHIFT: u32 = 16;
+    const CLASSES: usize = (Self::class(1.0) - Self::class(Self::LEAST) + 1) as usize;
 
     fn new() -> Self {
-        let mut bounds = [f32::INFINITY; 256];
-        for (i, bound) in bounds[..255].iter_mut().enumerate() {
-            *bound = decode_srgb((i as f64 + 0.5) / 255.0);
-        }
-        let classes = Self::class(Self::LEAST)..=Self::class(1.0);
-        let bytes = classes.map(|class| {
-            let least = f32::from_bits(class << Self::SHIFT);
-            bounds.partition_point(|&bound| bound <= least) as u8
-        });
+        let bounds = bounds();
+        let step = |number: usize| {
+            let least = f32::from_bits((Self::class(Self::LEAST) + number as u32) << Self::SHIFT);
+            let byte = bounds.partition_point(|&bound| bound <= least) as u8;
+            Step {
+                bound: bounds[usize::from(byte)],
+                byte,
+            }
+        };
         Self {
-            bytes: bytes.collect(),
-            bounds,
+            steps: std::array::from_fn(step),
         }
     }
 
-    fn class(linear: f32) -> u32 {
+    const fn class(linear: f32) -> u32 {
         linear.to_bits() >> Self::SHIFT
     }
 
-    #[inline]
+    #[inline(always)]
     fn encode(&self, linear: f32) -> u8 {
         // The first comparison fails for NaN, too.
         let inside = if linear > Self::LEAST {
@@ -92,15 +98,22 @@ impl SrgbEncoder {
         } else {
             Self::LEAST
         };
-        let byte = self.bytes[(Self::class(inside) - Self::class(Self::LEAST)) as usize];
-        byte + u8::from(self.bounds[usize::from(byte)] <= inside)
+        let class = (Self::class(inside) - Self::class(Self::LEAST)) as usize;
+        let step = self.steps[class.min(Self::CLASSES - 1)];
+        step.byte + u8::from(step.bound <= inside)
     }
+}
+
+/// `bounds()[i]` is the least linear value whose nearest byte is `i + 1`; no value reaches the last.
+fn bounds() -> [f32; 256] {
+    let bound = |byte: usize| decode_srgb((byte as f64 + 0.5) / 255.0);
+    std::array::from_fn(|i| if i < 255 { bound(i) } else { f32::INFINITY })
 }
 
 /// Brings a linear picture to sRGB bytes with alpha: exposure in stops (each doubles the light), tone curve, transfer curve.
 pub fn develop(image: &Image, exposure: f32, tonemap: Tonemap) -> Vec<[u8; 4]> {
     let gain = exposure.exp2();
-    let encoder = SrgbEncoder::new();
+    let encoder = &*ENCODER;
     let pixel = |&[r, g, b, a]: &[f32; 4]| {
         let color = apply_tonemap(Vec3::new(r, g, b) * gain, tonemap);
         let alpha = (a.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
@@ -237,11 +250,11 @@ mod tests {
     #[test]
     fn encoder_finds_the_nearest_byte() {
         let encoder = SrgbEncoder::new();
-        let nearest = |linear: f32| encoder.bounds.partition_point(|&bound| bound <= linear) as u8;
+        let bounds = bounds();
+        let nearest = |linear: f32| bounds.partition_point(|&bound| bound <= linear) as u8;
         let classes = (0..=f32::INFINITY.to_bits())
             .step_by(1 << 12)
             .map(f32::from_bits);
-        let bounds = encoder.bounds.iter().copied();
         for value in classes.chain(bounds).filter(|v| v.is_finite()) {
             for v in [value.next_down(), value, value.next_up(), -value] {
                 assert_eq!(encoder.encode(v), nearest(v), "{v}");
