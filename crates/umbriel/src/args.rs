@@ -23,7 +23,7 @@ Exit codes:
    70  internal error
   130  interrupted; what was done of the picture is saved";
 
-/// Draws a scene by rays.
+/// Draws a scene by shadow maps and by rays.
 #[derive(Debug, Parser)]
 #[command(name = "umbriel", version, after_help = EXIT_CODES, arg_required_else_help = true)]
 pub(crate) struct Cli {
