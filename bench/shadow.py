@@ -110,16 +110,15 @@ class Programs:
         """Ours first."""
         environment = {"LP_NUM_THREADS": str(MESA_THREADS[threads]), "LIBGL_ALWAYS_SOFTWARE": "1"}
         found = [Renderer("umbriel", [self.ours, scene, threads])]
-        share_view(Path(scene).with_suffix(".json"), found[0].first["map"])
+        share_views(Path(scene).with_suffix(".json"), found[0].first["maps"])
         found += [Renderer(name, self.script(name, scene), environment) for name in PEERS]
         return found
 
 
-def share_view(path, view):
-    """Adds Umbriel's view of the light to what the peers read of the scene."""
+def share_views(path, views):
+    """Adds Umbriel's views of the light, by the number of taps, to what the peers read of the scene."""
     words = json.loads(path.read_text())
-    words["map"] = view | {"bias": words["bias"]}
-    path.write_text(json.dumps(words, indent=1) + "\n")
+    path.write_text(json.dumps(words | {"maps": views}, indent=1) + "\n")
 
 
 def rounds(renderers, cell, repetitions, pictures):

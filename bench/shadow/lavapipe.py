@@ -80,7 +80,7 @@ class Lavapipe:
         self.device.queue.submit([encoder.finish()])
 
     def passes(self, size, taps, cull):
-        matrices = [self.scene.light_matrix().T, self.scene.eye_matrix(size[0] / size[1]).T]
+        matrices = [self.scene.light_matrix(taps).T, self.scene.eye_matrix(size[0] / size[1]).T]
         numbers = [*matrices, *self.scene.constants(taps).values()]
         data = numpy.concatenate([numpy.ravel(part) for part in numbers]).astype("f4")
         self.device.queue.write_buffer(self.constants, 0, data.tobytes())

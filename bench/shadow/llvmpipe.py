@@ -41,7 +41,7 @@ class Llvmpipe:
         self.map_target = self.gl.framebuffer(depth_attachment=self.map)
         self.map.use(0)
         program = self.gl.program(vertex_shader=MAP_VERTEX, fragment_shader="#version 330\nvoid main() {}")
-        program["light"].write(matrix(DEPTHS @ scene.light_matrix()))
+        self.map_program = program
         self.map_mesh = self.mesh(program, "3f 12x", "p")
         self.gl.enable(moderngl.DEPTH_TEST)
         self.gl.enable_direct(GL_FRAMEBUFFER_SRGB)
@@ -62,7 +62,7 @@ class Llvmpipe:
             text = (SHADERS / "shade.glsl").read_text()
             text = text.replace("#version 330", f"#version 330\n#define TAPS {taps}")
             program = self.gl.program(vertex_shader=EYE_VERTEX, fragment_shader=text[text.index("#version") :])
-            program["light"].write(matrix(DEPTHS @ self.scene.light_matrix()))
+            program["light"].write(matrix(DEPTHS @ self.scene.light_matrix(taps)))
             for name, value in self.scene.constants(taps).items():
                 program[name].value = tuple(value)
             self.programs[taps] = program, self.mesh(program, "3f 3f", "p", "n")
@@ -70,6 +70,7 @@ class Llvmpipe:
 
     def passes(self, size, taps, cull):
         target, (program, mesh) = self.target(size), self.shading(taps)
+        self.map_program["light"].write(matrix(DEPTHS @ self.scene.light_matrix(taps)))
         program["camera"].write(matrix(DEPTHS @ self.scene.eye_matrix(size[0] / size[1])))
         (self.gl.enable if cull else self.gl.disable)(moderngl.CULL_FACE)
         sky = tuple(self.scene.words["sky"])

@@ -36,11 +36,11 @@ class Scene:
 
     @property
     def map_size(self):
-        return self.words["map"]["size"]
+        return self.words["maps"]["1"]["size"]
 
-    def light_matrix(self):
-        """World to map; depth in [0, 1]."""
-        return numpy.array(self.words["map"]["matrix"])
+    def light_matrix(self, taps):
+        """World to map; depth in [0, 1]. The view has room for the taps."""
+        return numpy.array(self.words["maps"][str(taps)]["matrix"])
 
     def eye_matrix(self, aspect):
         """World to clip space of the camera; depth in [0, 1]."""
@@ -61,9 +61,9 @@ class Scene:
 
     def constants(self, taps):
         """What the shading asks for beside matrices, in the order of the shaders' uniform block, four floats each."""
-        light, material, shadow_map = self.words["light"], self.words["material"], self.words["map"]
+        light, material, shadow_map = self.words["light"], self.words["material"], self.words["maps"][str(taps)]
         towards = -numpy.array(light["direction"])
-        bias, texel = shadow_map["bias"], shadow_map["texel"] / shadow_map["depth"]
+        bias, texel = self.words["bias"], shadow_map["texel"] / shadow_map["depth"]
         f0 = ((material["ior"] - 1) / (material["ior"] + 1)) ** 2
         return {
             "eye": [*self.words["camera"]["eye"], 0],

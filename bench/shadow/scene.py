@@ -4,7 +4,7 @@
 files: NAME.toml for Umbriel, NAME.ply for everybody, NAME.json for the peers, which adds what a scene file has no words
 for: the view of the light, the bias.
 
-The view of the light is Umbriel's own, which fits it to what the camera sees; `bench/shadow.py` writes it into the JSON file:
+The view of the light is Umbriel's own, which fits it to what the camera sees; `bench/shadow.py` writes it into the JSON file, by the number of taps:
 
     (x, y, z) = matrix (p, 1)
 

@@ -1,4 +1,4 @@
-//! The view of the light that all renderers share: Umbriel's own, told to the peers through the JSON file beside the scene.
+//! The views of the light that all renderers share: Umbriel's own, told to the peers through the JSON file beside the scene.
 
 use serde_json::{Value, json};
 use umbriel_render::{DepthMap, LightView, kernels::glam::{DMat4, DVec3}};

@@ -1,6 +1,6 @@
 //! Umbriel's side of `bench/run shadow`: `bench-shadow SCENE THREADS` answers requests until its input ends.
 //!
-//! Its first line names it and its view of the light.
+//! Its first line names it and its views of the light.
 
 mod light_view;
 mod request;
@@ -55,10 +55,10 @@ fn run() -> Result<(), String> {
         pool: ThreadPoolBuilder::new().num_threads(threads).build().map_err(|error| error.to_string())?,
     };
     let bvhs = stage.scenes.each_ref().map(|scene| stage.pool.install(|| SceneBvh::build(scene)));
-    let maps = ShadowMaps::render(&bvhs[0], &stage.scenes[0].cameras[0], &settings(SIZE, 1)?, false);
-    let map = maps.of(0).faces().first().ok_or("the light sees nothing")?;
+    let views = [1, 9].map(|taps| Ok((taps.to_string(), view(&bvhs[0], taps)?)));
+    let views = views.into_iter().collect::<Result<serde_json::Map<_, _>, String>>()?;
     let name = format!("umbriel, {threads} threads");
-    println!("{}", serde_json::json!({ "name": name, "map": light_view::words(map) }));
+    println!("{}", serde_json::json!({ "name": name, "maps": views }));
     for line in io::stdin().lines() {
         let line = line.map_err(|error| error.to_string())?;
         let request = serde_json::from_str(&line).map_err(|error| format!("{line}: {error}"))?;
@@ -66,6 +66,13 @@ fn run() -> Result<(), String> {
         println!("{}", serde_json::to_string(&answer).map_err(|error| error.to_string())?);
     }
     Ok(())
+}
+
+/// How the light sees the scene; the view has room for the taps at its edges.
+fn view(bvh: &SceneBvh, taps: u32) -> Result<serde_json::Value, String> {
+    let maps = ShadowMaps::render(bvh, &bvh.scene().cameras[0], &settings(SIZE, taps)?, false);
+    let map = maps.of(0).faces().first().ok_or("the light sees nothing")?;
+    Ok(light_view::words(map))
 }
 
 /// The scene with its triangles visible from both sides, or from their fronts alone.
