@@ -15,8 +15,8 @@ use umbriel_kernels::{
 
 /// Pixels a side of a tile: small enough that its depths and what is shaded stay in the cache.
 pub(crate) const TILE: u32 = 128;
-/// Nothing nearer to the eye than this share of the furthest thing's distance is seen.
-const LEAST_DISTANCE: f32 = 1.0 / (1 << 20) as f32;
+/// Nothing nearer to the eye than this share of the furthest thing's distance is seen: so small that a far dome hides nothing near.
+const LEAST_DISTANCE: f32 = 1.0 / (1_u64 << 40) as f32;
 
 /// A camera's picture ready to be drawn, for one place within the pixels.
 ///

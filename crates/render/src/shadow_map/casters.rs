@@ -177,7 +177,8 @@ impl Solid {
             // Parallel light comes from before the near plane, too.
             let along = plane.normal.dot(ray.dir);
             let t = plane.normal.dot(plane.point - ray.origin) / along;
-            return (along != 0.0 && t.is_finite()).then_some((t, 0));
+            // A light in the plane is not in its own way.
+            return (along != 0.0 && t != 0.0 && t.is_finite()).then_some((t, 0));
         }
         let mut hit = hit?;
         let scene = bvh.scene();
