@@ -27,9 +27,9 @@ pub(crate) fn covered(view: &LightView, bvh: &SceneBvh, i: usize, size: [u32; 2]
         0.5 * (height - view.side as f32),
     );
     let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-    for p in outline(view, &bounds, &scene.instances[i].transform) {
-        let at = view.project(p).at + aside;
-        if !at.is_finite() {
+    for seen in outline(view, &bounds, &scene.instances[i].transform) {
+        let at = view.texel(seen) + aside;
+        if at.is_nan() {
             return all;
         }
         (min, max) = (min.min(at), max.max(at));
@@ -45,23 +45,25 @@ pub(crate) fn covered(view: &LightView, bvh: &SceneBvh, i: usize, size: [u32; 2]
     ]
 }
 
-/// The corners of a box that lie before the light, and where its edges pass the near plane, in world space.
+/// The corners of a box that lie before the light, and where its edges pass the near plane, along the view's axes.
 fn outline(view: &LightView, bounds: &Aabb, to_world: &Affine3A) -> Vec<Vec3> {
     let corner = |k: usize| {
         let pick = |axis: usize| [bounds.min, bounds.max][k >> axis & 1][axis];
-        to_world.transform_point3(Vec3::new(pick(0), pick(1), pick(2)))
+        view.along_axes(to_world.transform_point3(Vec3::new(pick(0), pick(1), pick(2))))
     };
     let corners: [Vec3; 8] = std::array::from_fn(corner);
     if !view.perspective {
         return corners.to_vec();
     }
-    let z = corners.map(|p| view.project(p).z);
-    let before = (0..8).filter(|&k| z[k] > view.near).map(|k| corners[k]);
+    let is_before = |k: usize| corners[k].z > view.near;
+    let before = (0..8).filter(|&k| is_before(k)).map(|k| corners[k]);
     let edges = (0..8).flat_map(|k| [1, 2, 4].map(|bit| (k, k ^ bit)));
-    let passing = edges.filter(|&(k, l)| z[k] > view.near && z[l] <= view.near);
+    let passing = edges.filter(|&(k, l)| is_before(k) && !is_before(l));
     let passages = passing.map(|(k, l)| {
-        let share = (z[k] - view.near) / (z[k] - z[l]);
-        corners[k].lerp(corners[l], share)
+        let share = (corners[k].z - view.near) / (corners[k].z - corners[l].z);
+        let passage = corners[k].lerp(corners[l], share);
+        // Rounding must not take it behind the light.
+        passage.with_z(view.near)
     });
     before.chain(passages).collect()
 }

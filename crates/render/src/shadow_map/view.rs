@@ -110,18 +110,30 @@ impl LightView {
     /// Where the light sees `p`. Behind a perspective light, where `z ≤ 0`, the place means nothing.
     #[inline(always)]
     pub(crate) fn project(&self, p: Vec3) -> Projected {
+        let seen = self.along_axes(p);
+        Projected {
+            at: self.texel(seen),
+            z: seen.z,
+        }
+    }
+
+    /// The point along the view's axes: right, down, and its depth.
+    #[inline(always)]
+    pub(crate) fn along_axes(&self, p: Vec3) -> Vec3 {
         let q = p - self.origin;
-        let (x, y) = (
+        Vec3::new(
             q.dot(self.right) - self.shift.x,
             q.dot(self.down) - self.shift.y,
-        );
-        let z = q.dot(self.forward) - self.shift.z;
-        let scale = self.texels_per_unit() / if self.perspective { z } else { 1.0 };
+            q.dot(self.forward) - self.shift.z,
+        )
+    }
+
+    /// The texel coordinates of a point given along the axes.
+    #[inline(always)]
+    pub(crate) fn texel(&self, seen: Vec3) -> Vec2 {
+        let scale = self.texels_per_unit() / if self.perspective { seen.z } else { 1.0 };
         let middle = 0.5 * self.side as f32;
-        Projected {
-            at: Vec2::new(x * scale + middle, y * scale + middle),
-            z,
-        }
+        Vec2::new(seen.x * scale + middle, seen.y * scale + middle)
     }
 
     /// Texels a metre, or at distance 1 for perspective.
