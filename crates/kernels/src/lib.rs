@@ -112,8 +112,8 @@ pub use raster::{
 pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};
 pub use simd::{
-    LANES, Lanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit, triangle_coordinates_each,
-    whole_vectors,
+    LANES, Lanes, PairLanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit,
+    triangle_coordinates_each, triangle_coordinates_lanes, whole_vectors,
 };
 pub use sphere::{Sphere, intersect_sphere};
 pub use surface::{Surface, intersect_surface};

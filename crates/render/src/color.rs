@@ -3,7 +3,10 @@
 use crate::Image;
 use rayon::prelude::*;
 use std::sync::LazyLock;
-use umbriel_kernels::glam::{Mat3, Vec3};
+use umbriel_kernels::{
+    VectorUnit,
+    glam::{Mat3, Vec3},
+};
 
 /// How radiance above 1 is brought into the range of a screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,22 +48,14 @@ fn decode_srgb(v: f64) -> f32 {
 /// Source: IEC 61966-2-1, 1999.
 #[inline]
 pub fn linear_to_srgb(linear: f32) -> u8 {
-    ENCODER.encode(linear)
+    SrgbEncoder::get().encode(linear)
 }
 
-static ENCODER: LazyLock<SrgbEncoder> = LazyLock::new(SrgbEncoder::new);
-
-/// Finds the nearest byte by the upper bits of a float and one comparison.
+/// Finds the nearest byte by the upper bits of a float and one sum.
 struct SrgbEncoder {
-    /// For each class of floats of equal upper bits, from that of `LEAST` to that of 1.
-    steps: [Step; Self::CLASSES],
-}
-
-/// The byte of the least float of a class, and the least linear value whose nearest byte is the next one.
-#[derive(Clone, Copy)]
-struct Step {
-    bound: f32,
-    byte: u8,
+    /// Of each class of floats with equal upper bits, from that of `LEAST` to that of 1, in the upper bits the byte of its least one; in the
+    /// lower bits what carries into them when the lower bits of a float are added that has the next byte.
+    classes: [u32; Self::CLASSES],
 }
 
 impl SrgbEncoder {
@@ -69,67 +64,118 @@ impl SrgbEncoder {
     /// Lower bits that a class leaves out. Seven bits of the mantissa remain: a class is at most 1/128 of its values
     /// wide, which is less than the distance of two bounds anywhere, so that no class holds more than one.
     const SHIFT: u32 = 16;
-    const CLASSES: usize = (Self::class(1.0) - Self::class(Self::LEAST) + 1) as usize;
+    /// A power of two not below the number of classes: indices need no check.
+    const CLASSES: usize = 2048;
 
-    fn new() -> Self {
-        let bounds = bounds();
-        let step = |number: usize| {
-            let least = f32::from_bits((Self::class(Self::LEAST) + number as u32) << Self::SHIFT);
-            let byte = bounds.partition_point(|&bound| bound <= least) as u8;
-            Step {
-                bound: bounds[usize::from(byte)],
-                byte,
-            }
-        };
-        Self {
-            steps: std::array::from_fn(step),
-        }
+    /// The encoder, made once.
+    fn get() -> &'static Self {
+        static ENCODER: LazyLock<SrgbEncoder> = LazyLock::new(SrgbEncoder::new);
+        &ENCODER
     }
 
-    const fn class(linear: f32) -> u32 {
-        linear.to_bits() >> Self::SHIFT
+    fn new() -> Self {
+        let bounds = srgb_bounds();
+        let first = Self::LEAST.to_bits() >> Self::SHIFT;
+        let classes = std::array::from_fn(|i| {
+            let least = (first + i as u32) << Self::SHIFT;
+            let byte = bounds.partition_point(|&bound| bound.to_bits() <= least);
+            let next = bounds.get(byte).map_or(u32::MAX, |bound| bound.to_bits()) - least;
+            let carry = (1_u32 << Self::SHIFT).saturating_sub(next);
+            ((byte as u32) << Self::SHIFT) + carry
+        });
+        Self { classes }
     }
 
     #[inline(always)]
     fn encode(&self, linear: f32) -> u8 {
+        let above = Self::above_least(linear);
+        let class = self.classes[(above >> Self::SHIFT) as usize % Self::CLASSES];
+        ((class + (above & ((1 << Self::SHIFT) - 1))) >> Self::SHIFT) as u8
+    }
+
+    /// By how much the bits of a value, cut to the range, are above those of the least one.
+    #[inline(always)]
+    fn above_least(linear: f32) -> u32 {
         // The first comparison fails for NaN, too.
         let inside = if linear > Self::LEAST {
             linear.min(1.0)
         } else {
             Self::LEAST
         };
-        let class = (Self::class(inside) - Self::class(Self::LEAST)) as usize;
-        let step = self.steps[class.min(Self::CLASSES - 1)];
-        step.byte + u8::from(step.bound <= inside)
+        inside.to_bits() - Self::LEAST.to_bits()
+    }
+
+    /// [`SrgbEncoder::encode`] of each value: bits in vectors, then the classes one by one, then bytes in vectors.
+    #[inline(always)]
+    fn encode_all(&self, linear: &[f32], bytes: &mut [u8]) {
+        let mut above = [0; 4 * BLOCK];
+        for (above, &linear) in above.iter_mut().zip(linear) {
+            *above = Self::above_least(linear);
+        }
+        let mut classes = [0; 4 * BLOCK];
+        for (class, above) in classes.iter_mut().zip(&above) {
+            *class = self.classes[(above >> Self::SHIFT) as usize % Self::CLASSES];
+        }
+        for ((byte, class), above) in bytes.iter_mut().zip(&classes).zip(&above) {
+            *byte = ((class + (above & ((1 << Self::SHIFT) - 1))) >> Self::SHIFT) as u8;
+        }
     }
 }
 
-/// `bounds()[i]` is the least linear value whose nearest byte is `i + 1`; no value reaches the last.
-fn bounds() -> [f32; 256] {
-    let bound = |byte: usize| decode_srgb((byte as f64 + 0.5) / 255.0);
-    std::array::from_fn(|i| if i < 255 { bound(i) } else { f32::INFINITY })
+/// The least linear values whose nearest bytes are 1 to 255.
+fn srgb_bounds() -> [f32; 255] {
+    std::array::from_fn(|i| decode_srgb((i as f64 + 0.5) / 255.0))
 }
 
 /// Brings a linear picture to sRGB bytes with alpha: exposure in stops (each doubles the light), tone curve, transfer curve.
 pub fn develop(image: &Image, exposure: f32, tonemap: Tonemap) -> Vec<[u8; 4]> {
-    let gain = exposure.exp2();
-    let encoder = &*ENCODER;
-    let pixel = |&[r, g, b, a]: &[f32; 4]| {
-        let color = apply_tonemap(Vec3::new(r, g, b) * gain, tonemap);
-        let alpha = (a.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
-        let [r, g, b] = color.to_array().map(|linear| encoder.encode(linear));
-        [r, g, b, alpha]
-    };
-    image
-        .pixels
-        .par_iter()
-        .with_min_len(LEAST_SHARE)
-        .map(pixel)
-        .collect()
+    let mut bytes = Vec::new();
+    develop_into(image, exposure, tonemap, &mut bytes);
+    bytes
 }
 
-/// Pixels worth another thread.
-const LEAST_SHARE: usize = 4096;
+/// [`develop`] into the memory of a former picture.
+pub fn develop_into(image: &Image, exposure: f32, tonemap: Tonemap, bytes: &mut Vec<[u8; 4]>) {
+    let gain = exposure.exp2();
+    bytes.resize(image.pixels.len(), [0; 4]);
+    let shares = bytes.par_chunks_mut(SHARE);
+    shares
+        .zip(image.pixels.par_chunks(SHARE))
+        .for_each(|(bytes, pixels)| develop_share(pixels, gain, tonemap, bytes));
+}
+
+/// Pixels that one thread develops.
+const SHARE: usize = 4096;
+/// Pixels at a time.
+const BLOCK: usize = 32;
+
+fn develop_share(pixels: &[[f32; 4]], gain: f32, tonemap: Tonemap, bytes: &mut [[u8; 4]]) {
+    let encoder = SrgbEncoder::get();
+    let mut block = [[0.0; 4]; BLOCK];
+    for (bytes, pixels) in bytes.chunks_mut(BLOCK).zip(pixels.chunks(BLOCK)) {
+        block[..pixels.len()].copy_from_slice(pixels);
+        if tonemap != Tonemap::Linear {
+            for pixel in &mut block[..pixels.len()] {
+                let [r, g, b, a] = *pixel;
+                let color = apply_tonemap(Vec3::new(r, g, b) * gain, tonemap);
+                *pixel = color.extend(a).to_array();
+            }
+        } else if gain != 1.0 {
+            for channel in block.as_flattened_mut() {
+                *channel *= gain;
+            }
+        }
+        let mut coded = [[0; 4]; BLOCK];
+        VectorUnit::default().run(
+            #[inline(always)]
+            || encoder.encode_all(block.as_flattened(), coded.as_flattened_mut()),
+        );
+        for (coded, pixel) in coded.iter_mut().zip(pixels) {
+            coded[3] = (pixel[3].clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        }
+        bytes.copy_from_slice(&coded[..pixels.len()]);
+    }
+}
 
 /// The exposure in stops that brings the picture's bright parts just below white.
 ///
@@ -153,6 +199,7 @@ pub fn auto_exposure(image: &Image) -> f32 {
     }
 }
 
+#[inline(always)]
 fn apply_tonemap(color: Vec3, tonemap: Tonemap) -> Vec3 {
     match tonemap {
         Tonemap::Linear => color,
@@ -250,7 +297,7 @@ mod tests {
     #[test]
     fn encoder_finds_the_nearest_byte() {
         let encoder = SrgbEncoder::new();
-        let bounds = bounds();
+        let bounds = srgb_bounds();
         let nearest = |linear: f32| bounds.partition_point(|&bound| bound <= linear) as u8;
         let classes = (0..=f32::INFINITY.to_bits())
             .step_by(1 << 12)

@@ -2,6 +2,7 @@
 
 use crate::{
     AlphaMode, Camera, CameraFrame, Geometry, InstanceId, Projection, SceneBvh,
+    eye_lanes::{PixelRows, SeenMesh},
     scene_draws::{SceneDraws, find, first_ids},
     shadow_map::{LightView, covered},
     surface::alpha_at,
@@ -167,6 +168,62 @@ impl<'a> EyeRaster<'a> {
         seen.drawn.meet(&mut seen.hits, seen.rays.len());
         for solid in &self.solids {
             self.see_solid(solid, rect, seen);
+        }
+    }
+
+    /// What the pixels of rows see if it is one opaque mesh without normal texture at most, and the sky; otherwise nothing.
+    pub(crate) fn one_mesh(&self, rows: &PixelRows) -> Option<Option<SeenMesh<'_>>> {
+        let [x0, y0] = rows.corner;
+        let height = rows.ids.len().div_ceil(rows.width) as u32;
+        let [x1, y1] = [x0 + rows.width as u32, y0 + height];
+        let is_near = |solid: &Solid| {
+            let [l, t, r, b] = solid.rect;
+            l < x1 && r > x0 && t < y1 && b > y0
+        };
+        if self.solids.iter().any(is_near) {
+            return None;
+        }
+        let least = rows.ids.iter().fold(u32::MAX, |least, &id| least.min(id));
+        if least == u32::MAX {
+            return Some(None);
+        }
+        // Nothing has the number u32::MAX: it becomes 0.
+        let most = rows
+            .ids
+            .iter()
+            .fold(0, |most, &id| most.max(id.wrapping_add(1)));
+        let (instance, _) = find(&self.first_ids, least);
+        if find(&self.first_ids, most - 1).0 != instance {
+            return None;
+        }
+        let scene = self.bvh.scene();
+        let placed = &scene.instances[instance as usize];
+        let material = &scene.materials[placed.material.index()];
+        let Geometry::Mesh(mesh) = placed.geometry else {
+            return None;
+        };
+        let is_plain = material.alpha_mode != AlphaMode::Blend && material.normal_texture.is_none();
+        is_plain.then_some(Some(SeenMesh {
+            instance,
+            mesh: &scene.meshes[mesh.index()],
+            to_object: self.bvh.to_object(InstanceId(instance)),
+            first_id: self.first_ids[instance as usize],
+        }))
+    }
+
+    /// The rows of a drawn tile from `corner` on.
+    pub(crate) fn rows<'b>(
+        &'b self,
+        corner: [u32; 2],
+        width: usize,
+        ids: &'b [u32],
+    ) -> PixelRows<'b> {
+        PixelRows {
+            frame: &self.frame,
+            place: self.place,
+            corner,
+            width,
+            ids,
         }
     }
 

@@ -5,7 +5,10 @@ use crate::{
     mesh_point::{corner_weights, flat_place, smooth_place},
     surface::{Place, side_of},
 };
-use umbriel_kernels::{Hit, LANES, Lanes, Triangle, glam::Vec3, whole_vectors};
+use umbriel_kernels::{
+    Hit, LANES, Lanes, PairLanes, Triangle, Vec3Lanes, VectorUnit, glam::Vec3,
+    triangle_coordinates_lanes, whole_vectors,
+};
 
 /// The corners of a triangle are written to this many lanes at once: one store is as cheap as a single lane's, and
 /// neighbouring hits are often of one triangle.
@@ -30,6 +33,12 @@ impl SplatLanes {
     #[inline(always)]
     fn set(&mut self, i: usize, value: Vec3) {
         (self.0[0][i], self.0[1][i], self.0[2][i]) = (value.x, value.y, value.z);
+    }
+
+    #[inline(always)]
+    fn components(&self) -> Option<[&Lanes; 3]> {
+        let [x, y, z] = &self.0;
+        Some([x.first_chunk()?, y.first_chunk()?, z.first_chunk()?])
     }
 
     /// Sets [`SPLAT`] lanes from `start` on.
@@ -110,6 +119,36 @@ impl MeshLanes {
     pub(crate) fn set(&mut self, i: usize, hit: &Hit) {
         self.triangles[i] = hit.primitive;
         (self.u[i], self.v[i]) = (hit.u, hit.v);
+    }
+
+    /// Sets the triangles of the first lanes, before [`MeshLanes::gather`] and [`MeshLanes::meet`].
+    #[inline(always)]
+    pub(crate) fn set_triangles(&mut self, triangles: impl Iterator<Item = u32>) {
+        for (lane, triangle) in self.triangles.iter_mut().zip(triangles) {
+            *lane = triangle;
+        }
+    }
+
+    /// Finds where rays, in the mesh's space, meet the planes of the first `len` lanes' triangles. Gives the lanes where they do, the first one
+    /// in the lowest bit.
+    pub(crate) fn meet(
+        &mut self,
+        unit: VectorUnit,
+        len: usize,
+        origin: &Vec3Lanes,
+        dir: &Vec3Lanes,
+    ) -> u64 {
+        let [a, b, c] = &self.positions;
+        let (Some(a), Some(b), Some(c)) = (a.components(), b.components(), c.components()) else {
+            return 0;
+        };
+        let pairs = PairLanes {
+            len,
+            origin,
+            dir,
+            corners: [a, b, c],
+        };
+        triangle_coordinates_lanes(unit, &pairs, &mut self.u, &mut self.v)
     }
 
     /// Collects what the triangles of the first `len` lanes have at their corners.

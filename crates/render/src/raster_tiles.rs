@@ -23,7 +23,7 @@ struct PictureTile<'a> {
     samples: u32,
 }
 
-/// Renders `pixels` with `spp` samples a pixel, all pixels' samples at the same places.
+/// Renders `pixels`, which need not be black unless there is a crop, with `spp` samples a pixel, all pixels' samples at the same places.
 pub(crate) fn render(
     bvh: &SceneBvh,
     camera: &Camera,
@@ -49,6 +49,7 @@ pub(crate) fn render(
         let last = sample + 1 == spp;
         let sums = tiles.par_iter_mut().with_max_len(1).map(|tile| {
             if job.control.stop.load(Ordering::Relaxed) {
+                tile.clear();
                 return Stats::default();
             }
             let idle_one = lock(&idle).pop();
@@ -125,25 +126,34 @@ impl PictureTile<'_> {
         let [x0, y0, x1, y1] = image.rect;
         let width = (x1 - x0) as usize;
         let [left, top, right, bottom] = job.crop;
-        let is_asked = |x: u32, y: u32| (left..right).contains(&x) && (top..bottom).contains(&y);
+        let asked = (left.clamp(x0, x1) - x0) as usize..(right.clamp(x0, x1) - x0) as usize;
         let mut radiance = [Vec3::ZERO; BATCH];
         let rows = BATCH / width;
         let starts = (y0..y1).step_by(rows);
         for (ids, start) in image.ids.chunks(rows * width).zip(starts) {
-            eye.see([x0, start, x1, (start + rows as u32).min(y1)], ids, seen);
             let radiance = &mut radiance[..ids.len()];
-            tracer.trace_seen(&seen.rays, &seen.hits, radiance);
+            let pixels = eye.rows([x0, start], width, ids);
+            if let Some(mesh) = eye.one_mesh(&pixels) {
+                tracer.trace_mesh(&pixels, mesh.as_ref(), radiance);
+            } else {
+                eye.see([x0, start, x1, (start + rows as u32).min(y1)], ids, seen);
+                tracer.trace_seen(&seen.rays, &seen.hits, radiance);
+            }
             for (row, y) in radiance.chunks(width).zip(start..) {
-                let sums = &mut self.rows[(y - y0) as usize];
-                for ((sample, sum), x) in row.iter().zip(sums.iter_mut()).zip(x0..) {
-                    if is_asked(x, y) {
-                        let color = sample + Vec3::new(sum[0], sum[1], sum[2]);
-                        *sum = color.extend(1.0).to_array();
-                    }
+                if (top..bottom).contains(&y) {
+                    let sums = &mut self.rows[(y - y0) as usize][asked.clone()];
+                    add_row(self.samples == 0, &row[asked.clone()], sums);
                 }
             }
         }
         self.samples += 1;
+    }
+
+    /// Removes what was there before, unless samples were added.
+    fn clear(&mut self) {
+        if self.samples == 0 {
+            self.rows.iter_mut().for_each(|row| row.fill([0.0; 4]));
+        }
     }
 
     /// Turns sums into means.
@@ -154,5 +164,17 @@ impl PictureTile<'_> {
                 *channel *= scale;
             }
         }
+    }
+}
+
+/// Adds a sample to each pixel of a row; the first one takes the place of what was there before.
+fn add_row(is_first: bool, samples: &[Vec3], sums: &mut [[f32; 4]]) {
+    for (sample, sum) in samples.iter().zip(sums) {
+        let before = if is_first {
+            Vec3::ZERO
+        } else {
+            Vec3::new(sum[0], sum[1], sum[2])
+        };
+        *sum = (sample + before).extend(1.0).to_array();
     }
 }

@@ -65,13 +65,30 @@ pub fn render_with_maps(
     maps: Option<&ShadowMaps>,
     control: &Control,
 ) -> Film {
+    let image = Image {
+        width: 0,
+        height: 0,
+        pixels: Vec::new(),
+    };
+    let mut film = Film {
+        image,
+        stats: Stats::default(),
+    };
+    render_with_maps_into(bvh, camera, settings, maps, control, &mut film);
+    film
+}
+
+/// [`render_with_maps`] into the memory of a former picture: fresh memory takes longer than most tiles.
+pub fn render_with_maps_into(
+    bvh: &SceneBvh,
+    camera: &Camera,
+    settings: &Settings,
+    maps: Option<&ShadowMaps>,
+    control: &Control,
+    film: &mut Film,
+) {
     let [width, height] = settings.resolution;
     let [x0, y0, x1, y1] = settings.crop.unwrap_or([0, 0, width, height]);
-    let mut image = Image {
-        width: width as usize,
-        height: height as usize,
-        pixels: vec![[0.0; 4]; width as usize * height as usize],
-    };
     let job = Job {
         frame: camera.frame(settings.resolution),
         settings,
@@ -80,7 +97,6 @@ pub fn render_with_maps(
         done: AtomicU64::new(0),
         total: u64::from(x1 - x0) * u64::from(y1 - y0),
     };
-    let pixels = &mut image.pixels[..];
     let raster_spp = match settings.sampling {
         Sampling::Fixed { spp } if settings.method == Method::ShadowMap => Some(spp.max(1)),
         _ => None,
@@ -90,11 +106,19 @@ pub fn render_with_maps(
     if raster_spp.is_none() || needs_rays(bvh.scene()) {
         bvh.build_trees();
     }
-    let stats = match raster_spp {
+    let len = width as usize * height as usize;
+    let image = &mut film.image;
+    (image.width, image.height) = (width as usize, height as usize);
+    // Whole pictures by rasterisation overwrite what was there.
+    if image.pixels.len() != len || settings.crop.is_some() || raster_spp.is_none() {
+        // Fresh memory is zero without being touched.
+        image.pixels = vec![[0.0; 4]; len];
+    }
+    let pixels = &mut image.pixels[..];
+    film.stats = match raster_spp {
         Some(spp) => raster_tiles::render(bvh, camera, maps, &job, spp, pixels),
         None => render_bands(bvh, maps, &job, pixels),
     };
-    Film { image, stats }
 }
 
 /// Whether rays go on from what the eye sees first.

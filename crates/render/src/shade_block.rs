@@ -88,6 +88,17 @@ impl ShadeBlock {
         }
     }
 
+    /// Says that the lanes, as many as there are surfaces, are seen by samples of their own with their full weight.
+    #[inline(always)]
+    pub(crate) fn see(&mut self, samples: &[u32]) {
+        let len = self.surfaces.len;
+        self.seen.sample[..len].copy_from_slice(&samples[..len]);
+        for lane in 0..whole_vectors(len) {
+            let weight = if lane < len { Vec3::ONE } else { Vec3::ZERO };
+            self.seen.weight.set(lane, weight);
+        }
+    }
+
     /// Pushes what is left of the rays behind partly transparent surfaces, and takes it off their weights.
     #[inline(always)]
     pub(crate) fn pass(&mut self, members: &[NumberedHit], queue: &Queue, next: &mut Queue) {

@@ -22,7 +22,7 @@ use umbriel_kernels::{
 pub(crate) struct SurfaceLanes {
     /// Number of lanes in use, at most [`LANES`].
     pub(crate) len: usize,
-    mesh: MeshLanes,
+    pub(crate) mesh: MeshLanes,
     points: PointLanes,
     error: Vec3Lanes,
     shadow_p: Vec3Lanes,
@@ -109,21 +109,12 @@ impl SurfaceLanes {
             }
             Geometry::Mesh(id) if material.normal_texture.is_none() => {
                 let mesh = &scene.meshes[id.index()];
-                let to_object = bvh.to_object(InstanceId(instance));
-                let to_world = to_object.map(|back| ToWorld::new(&placed.transform, back));
-                self.settle_mesh(mesh, to_world.as_ref(), placed.inside_out, hits);
-                let uniform = mesh.colors.is_empty() && !material.is_textured();
-                self.look_up(
-                    scene,
-                    material,
-                    uniform,
-                    #[inline(always)]
-                    |lanes, i| {
-                        let (corners, weights) = lanes.mesh.corners(mesh, i);
-                        let uvs = mesh_uvs(mesh, corners, weights);
-                        (uvs, mesh_color(mesh, corners, weights))
-                    },
-                );
+                for (i, (ray, hit)) in hits.enumerate().take(LANES) {
+                    self.mesh.set(i, &hit);
+                    self.wo.set(i, -ray.dir);
+                }
+                self.mesh.gather(mesh, self.len);
+                self.fill_mesh(bvh, instance, mesh);
             }
             _ => {
                 self.uniform = None;
@@ -132,6 +123,45 @@ impl SurfaceLanes {
                 }
             }
         }
+    }
+
+    /// Collects triangles of a mesh, at most [`LANES`].
+    #[inline(always)]
+    pub(crate) fn gather(&mut self, mesh: &Mesh, triangles: impl ExactSizeIterator<Item = u32>) {
+        self.len = triangles.len().min(LANES);
+        self.mesh.set_triangles(triangles);
+        self.mesh.gather(mesh, self.len);
+    }
+
+    /// Evaluates the surfaces at the hits of a mesh that was gathered and met, without normal texture. `dir` are the rays' directions in the world.
+    #[inline(always)]
+    pub(crate) fn fill_met(&mut self, bvh: &SceneBvh, instance: u32, mesh: &Mesh, dir: &Vec3Lanes) {
+        for i in 0..whole_vectors(self.len) {
+            self.wo.set(i, -dir.get(i));
+        }
+        self.fill_mesh(bvh, instance, mesh);
+    }
+
+    #[inline(always)]
+    fn fill_mesh(&mut self, bvh: &SceneBvh, instance: u32, mesh: &Mesh) {
+        let scene = bvh.scene();
+        let placed = &scene.instances[instance as usize];
+        let material = &scene.materials[placed.material.index()];
+        let to_object = bvh.to_object(InstanceId(instance));
+        let to_world = to_object.map(|back| ToWorld::new(&placed.transform, back));
+        self.settle_mesh(mesh, to_world.as_ref(), placed.inside_out);
+        let uniform = mesh.colors.is_empty() && !material.is_textured();
+        self.look_up(
+            scene,
+            material,
+            uniform,
+            #[inline(always)]
+            |lanes, i| {
+                let (corners, weights) = lanes.mesh.corners(mesh, i);
+                let uvs = mesh_uvs(mesh, corners, weights);
+                (uvs, mesh_color(mesh, corners, weights))
+            },
+        );
     }
 
     /// The surface of lane `i`.
@@ -241,18 +271,7 @@ impl SurfaceLanes {
 
     /// Positions and normals on a mesh.
     #[inline(always)]
-    fn settle_mesh(
-        &mut self,
-        mesh: &Mesh,
-        to_world: Option<&ToWorld>,
-        inside_out: bool,
-        hits: impl Iterator<Item = (Ray, Hit)>,
-    ) {
-        for (i, (ray, hit)) in hits.enumerate().take(LANES) {
-            self.mesh.set(i, &hit);
-            self.wo.set(i, -ray.dir);
-        }
-        self.mesh.gather(mesh, self.len);
+    fn settle_mesh(&mut self, mesh: &Mesh, to_world: Option<&ToWorld>, inside_out: bool) {
         match (mesh.normals.is_empty(), to_world) {
             (true, None) => self.set_places(
                 inside_out,

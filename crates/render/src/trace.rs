@@ -1,8 +1,12 @@
 //! The queue of weighted rays: the loop that all ray methods share.
 
 use crate::{
-    CameraFrame, MaterialId, Method, SceneBvh, Settings, ShadowMaps, ShadowRays, Unshadowed,
-    direct::DirectLight, hit_groups::HitGroups, shade_block::ShadeBlock, shadow_map::MapVisibility,
+    CameraFrame, Light, MaterialId, Method, SceneBvh, Settings, ShadowMaps, ShadowRays, Unshadowed,
+    direct::DirectLight,
+    eye_lanes::{EyeLanes, PixelRows, SeenMesh},
+    hit_groups::HitGroups,
+    shade_block::ShadeBlock,
+    shadow_map::MapVisibility,
 };
 use umbriel_kernels::{
     Hit, LANES, Ray, Vec3Lanes, VectorUnit,
@@ -88,6 +92,7 @@ pub(crate) struct Tracer<'a> {
     hits: Vec<Option<Hit>>,
     groups: HitGroups,
     block: Box<ShadeBlock>,
+    eye: Box<EyeLanes>,
     /// Eye, mirrored and refracted rays so far.
     pub(crate) rays: u64,
     /// Samples that were not finite and count as black.
@@ -113,6 +118,7 @@ impl<'a> Tracer<'a> {
             hits: Vec::new(),
             groups: HitGroups::default(),
             block: Box::default(),
+            eye: Box::default(),
             rays: 0,
             bad_samples: 0,
         }
@@ -166,12 +172,7 @@ impl<'a> Tracer<'a> {
             }
             self.intersect();
         }
-        for sample in radiance {
-            if !sample.is_finite() {
-                *sample = Vec3::ZERO;
-                self.bad_samples += 1;
-            }
-        }
+        self.drop_bad(radiance);
     }
 
     /// Step 1: what does each ray hit?
@@ -202,6 +203,7 @@ impl<'a> Tracer<'a> {
             Method::RayCast => !self.settings.shadows,
             Method::Whitted => false,
         };
+        let lights = &self.bvh.scene().lights;
         self.groups.sort(&self.hits, instances);
         for (instance, members) in self.groups.iter() {
             for members in members.chunks(LANES) {
@@ -222,18 +224,81 @@ impl<'a> Tracer<'a> {
                             &self.queue,
                             &mut self.next,
                         );
-                        let (surfaces, seen) = (&block.surfaces, &block.seen);
-                        let lights = &self.bvh.scene().lights;
-                        if let Some(maps) = &mut self.maps {
-                            self.direct.add_now(lights, surfaces, seen, maps, radiance);
-                        } else if at_once {
-                            let all = &mut Unshadowed;
-                            self.direct.add_now(lights, surfaces, seen, all, radiance);
+                        if at_once {
+                            light_now(lights, block, &mut self.maps, &mut self.direct, radiance);
                         } else {
-                            self.direct.add(lights, surfaces, seen);
+                            self.direct.add(lights, &block.surfaces, &block.seen);
                         }
                     },
                 );
+            }
+        }
+    }
+
+    /// The radiance of pixels that see nothing but one opaque mesh without normal texture, and the sky: what [`Tracer::trace_seen`] gives, to the
+    /// bit, under [`Method::ShadowMap`].
+    pub(crate) fn trace_mesh(
+        &mut self,
+        rows: &PixelRows,
+        seen: Option<&SeenMesh>,
+        radiance: &mut [Vec3],
+    ) {
+        radiance.fill(Vec3::ZERO);
+        self.eye.sort(rows.ids);
+        if let Some(seen) = seen {
+            let pixels = std::mem::take(&mut self.eye.pixels[0]);
+            for pixels in pixels.chunks(LANES) {
+                self.shade_pixels(rows, seen, pixels, radiance);
+            }
+            self.eye.pixels[0] = pixels;
+        }
+        self.eye.see_sky(self.unit, self.bvh, rows, radiance);
+        self.drop_bad(radiance);
+    }
+
+    /// Shades at most [`LANES`] pixels that see a mesh; those whose rays do not meet the planes of their triangles see the sky.
+    fn shade_pixels(
+        &mut self,
+        rows: &PixelRows,
+        seen: &SeenMesh,
+        pixels: &[u32],
+        radiance: &mut [Vec3],
+    ) {
+        let met = self
+            .eye
+            .meet(self.unit, rows, seen, pixels, &mut self.block);
+        if met.count_ones() as usize != pixels.len() {
+            let (met, missed) = (0..)
+                .zip(pixels)
+                .partition::<Vec<_>, _>(|(i, _)| met >> i & 1 == 1);
+            self.eye.pixels[1].extend(missed.iter().map(|(_, pixel)| **pixel));
+            let met: Vec<u32> = met.iter().map(|(_, pixel)| **pixel).collect();
+            if !met.is_empty() {
+                self.shade_pixels(rows, seen, &met, radiance);
+            }
+            return;
+        }
+        self.unit.run(
+            #[inline(always)]
+            || {
+                let block = &mut *self.block;
+                let (dir, lights) = (&self.eye.dir, &self.bvh.scene().lights);
+                block
+                    .surfaces
+                    .fill_met(self.bvh, seen.instance, seen.mesh, dir);
+                block.see(pixels);
+                if block.shade(self.bvh.scene(), self.settings, radiance) {
+                    light_now(lights, block, &mut self.maps, &mut self.direct, radiance);
+                }
+            },
+        );
+    }
+
+    fn drop_bad(&mut self, radiance: &mut [Vec3]) {
+        for sample in radiance {
+            if !sample.is_finite() {
+                *sample = Vec3::ZERO;
+                self.bad_samples += 1;
             }
         }
     }
@@ -245,5 +310,22 @@ impl<'a> Tracer<'a> {
         } else {
             self.direct.resolve(&mut Unshadowed, radiance);
         }
+    }
+}
+
+/// Adds the direct light of a block without a queue of questions.
+#[inline(always)]
+fn light_now(
+    lights: &[Light],
+    block: &ShadeBlock,
+    maps: &mut Option<MapVisibility>,
+    direct: &mut DirectLight,
+    radiance: &mut [Vec3],
+) {
+    let (surfaces, seen) = (&block.surfaces, &block.seen);
+    if let Some(maps) = maps {
+        direct.add_now(lights, surfaces, seen, maps, radiance);
+    } else {
+        direct.add_now(lights, surfaces, seen, &mut Unshadowed, radiance);
     }
 }

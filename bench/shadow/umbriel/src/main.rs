@@ -18,7 +18,7 @@ use std::{
 use umbriel_formats::{LoadOptions, encode_png, load_scene, write_file};
 use umbriel_render::{
     Bias, BiasUnit, Control, Method, Scene, SceneBvh, Settings, ShadowFilter, ShadowMapSettings, ShadowMaps, Tonemap,
-    develop, render_with_maps,
+    develop_into, render_with_maps, render_with_maps_into,
 };
 
 /// Everything that stays from request to request.
@@ -94,28 +94,24 @@ fn settings(resolution: [u32; 2], taps: u32) -> Result<Settings, String> {
         },
         ..ShadowMapSettings::default()
     };
-    Ok(Settings {
-        method: Method::ShadowMap,
-        resolution,
-        shadow_maps: vec![map],
-        ..Settings::default()
-    })
+    Ok(Settings { method: Method::ShadowMap, resolution, shadow_maps: vec![map], ..Settings::default() })
 }
 
-/// Draws the frames of a request. Nothing is kept from frame to frame but the scene's own preparation.
+/// Draws the frames of a request. Nothing is kept from frame to frame but the scene's own preparation and the memory of maps and pictures.
 fn draw(stage: &Stage, bvhs: &[SceneBvh; 2], request: &Request) -> Result<Times, String> {
     let size = [request.width, request.height];
     let bvh = &bvhs[usize::from(request.cull)];
     let camera = &bvh.scene().cameras[0];
     let settings = settings(size, request.taps)?;
     let control = Control { stop: &AtomicBool::new(false), progress: &|_, _| () };
-    let maps = Mutex::new(None);
+    let maps = Mutex::new(ShadowMaps::render(bvh, camera, &settings, false));
     let mut pixels = Vec::new();
-    let mut draw_map = || *maps.lock().expect("no pass panics") = Some(ShadowMaps::render(bvh, camera, &settings, false));
+    let mut film = render_with_maps(bvh, camera, &settings, None, &control);
+    let mut draw_map = || maps.lock().expect("no pass panics").render_into(bvh, camera, &settings, false);
     let mut draw_eye = || {
         let maps = maps.lock().expect("no pass panics");
-        let film = render_with_maps(bvh, camera, &settings, maps.as_ref(), &control);
-        pixels = develop(&film.image, 0.0, Tonemap::Linear);
+        render_with_maps_into(bvh, camera, &settings, Some(&maps), &control, &mut film);
+        develop_into(&film.image, 0.0, Tonemap::Linear, &mut pixels);
     };
     let times = stage.pool.install(|| measure(&mut draw_map, &mut draw_eye, request.frames));
     if let Some(path) = &request.picture {

@@ -49,6 +49,12 @@ impl Vec3Lanes {
         Vec3::new(self.x[i], self.y[i], self.z[i])
     }
 
+    /// Component by component.
+    #[inline(always)]
+    pub(super) fn components(&self) -> [&Lanes; 3] {
+        [&self.x, &self.y, &self.z]
+    }
+
     /// Changes the vector of lane `i`.
     #[inline(always)]
     pub fn set(&mut self, i: usize, v: Vec3) {

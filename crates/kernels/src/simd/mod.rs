@@ -27,5 +27,5 @@ pub(crate) use rays16::{RAYS, RayLanes, Rays16};
 pub use surface_list::SurfaceList;
 pub(crate) use triangle_lanes::{HitLanes, LaneHits};
 pub(crate) use triangle_leaf::TriangleLeaves;
-pub use triangle_pairs::triangle_coordinates_each;
+pub use triangle_pairs::{PairLanes, triangle_coordinates_each, triangle_coordinates_lanes};
 pub(crate) use ways::Ways;

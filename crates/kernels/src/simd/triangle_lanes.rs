@@ -29,6 +29,15 @@ impl<S: Simd> LaneHits<S> {
         HitLanes::new(self.t, self.e, self.unsure)
     }
 
+    /// The weights of the second and the third corner, as [`HitLanes::get`] gives them.
+    #[inline(always)]
+    pub(super) fn weights(&self, simd: S) -> (f32x16<S>, f32x16<S>) {
+        let det = self.e[0] + self.e[1] + self.e[2];
+        let (u, v) = (self.e[1] / det, self.e[2] / det);
+        let most = f32x16::splat(simd, 1.0) - u;
+        (u, v.simd_lt(most).select(v, most))
+    }
+
     /// The edge functions.
     #[inline(always)]
     pub(super) fn edges(&self) -> [f32x16<S>; 3] {

@@ -1,11 +1,12 @@
 //! Sixteen rays, each with a triangle of its own: where pixels lie in the triangles that were drawn there.
 
 use super::{
-    VectorUnit,
-    triangle_lanes::{Distances, ShearedLanes},
+    Lanes, Vec3Lanes, VectorUnit,
+    triangle_lanes::{Distances, LaneHits, ShearedLanes},
 };
 use crate::{Ray, ShearedRay, Triangle, TriangleHit, triangle_coordinates};
 use fearless_simd::{Simd, dispatch, f32x16, prelude::*};
+use glam::Vec3;
 
 /// Pairs at a time.
 const PAIRS: usize = 16;
@@ -24,6 +25,87 @@ pub fn triangle_coordinates_each(
             meet_16(simd, rays, triangles, hits);
         }
     });
+}
+
+/// One ray and one triangle a lane.
+#[derive(Clone, Copy, Debug)]
+pub struct PairLanes<'a> {
+    /// Number of lanes in use.
+    pub len: usize,
+    /// Of the rays.
+    pub origin: &'a Vec3Lanes,
+    /// Of the rays.
+    pub dir: &'a Vec3Lanes,
+    /// Of the triangles, component by component.
+    pub corners: [[&'a Lanes; 3]; 3],
+}
+
+/// [`triangle_coordinates`] of each lane, to the bit. Gives the lanes that have any, the first one in the lowest bit.
+pub fn triangle_coordinates_lanes(
+    unit: VectorUnit,
+    pairs: &PairLanes,
+    u: &mut Lanes,
+    v: &mut Lanes,
+) -> u64 {
+    let mut found = 0;
+    let us = u.chunks_exact_mut(PAIRS).zip(v.chunks_exact_mut(PAIRS));
+    dispatch!(unit.level(), simd => {
+        for (number, (u, v)) in us.enumerate().take(pairs.len.div_ceil(PAIRS)) {
+            found |= pairs.meet_16(simd, PAIRS * number, u, v) << (PAIRS * number);
+        }
+    });
+    found
+}
+
+impl PairLanes<'_> {
+    #[inline(always)]
+    fn meet_16<S: Simd>(&self, simd: S, start: usize, u: &mut [f32], v: &mut [f32]) -> u64 {
+        let [a, b, c] = self.corners;
+        let vectors = [
+            load(simd, self.origin.components(), start),
+            load(simd, self.dir.components(), start),
+            load(simd, a, start),
+            load(simd, b, start),
+            load(simd, c, start),
+        ];
+        let mut hit = 0;
+        if let Some(found) = meet_vectors(simd, vectors) {
+            let (met_u, met_v) = found.weights(simd);
+            met_u.store_slice(u);
+            met_v.store_slice(v);
+            hit = found.hit;
+        }
+        let asked = u32::MAX >> (32 - (self.len - start).min(PAIRS));
+        hit &= asked;
+        let mut rest = asked & !hit;
+        while rest != 0 {
+            let i = rest.trailing_zeros() as usize;
+            rest &= rest - 1;
+            if let Some(found) = self.meet_one(start + i) {
+                (u[i], v[i]) = (found.u, found.v);
+                hit |= 1 << i;
+            }
+        }
+        u64::from(hit)
+    }
+
+    /// The slide decides what is unsure, and beside the triangle.
+    #[inline(never)]
+    fn meet_one(&self, i: usize) -> Option<TriangleHit> {
+        let [a, b, c] = self.corners.map(|[x, y, z]| Vec3::new(x[i], y[i], z[i]));
+        let ray = Ray::new(self.origin.get(i), self.dir.get(i));
+        triangle_coordinates(&ShearedRay::new(&ray), &Triangle { a, b, c })
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, [x, y, z]: [&Lanes; 3], start: usize) -> [f32x16<S>; 3] {
+    let end = start + PAIRS;
+    [
+        f32x16::from_slice(simd, &x[start..end]),
+        f32x16::from_slice(simd, &y[start..end]),
+        f32x16::from_slice(simd, &z[start..end]),
+    ]
 }
 
 /// One component of up to sixteen vectors.
@@ -46,30 +128,16 @@ fn meet_16<S: Simd>(
             rows[3 * k + 2][i] = v.z;
         }
     }
-    let shear = Shear::new(
+    let found = meet_vectors(
         simd,
         [
-            row(simd, &rows[3]),
-            row(simd, &rows[4]),
-            row(simd, &rows[5]),
+            vector(simd, &rows, 0),
+            vector(simd, &rows, 3),
+            vector(simd, &rows, 6),
+            vector(simd, &rows, 9),
+            vector(simd, &rows, 12),
         ],
     );
-    let origin = [
-        row(simd, &rows[0]),
-        row(simd, &rows[1]),
-        row(simd, &rows[2]),
-    ];
-    let corners = ShearedLanes {
-        a: shear.corner(simd, &rows, 6, origin),
-        b: shear.corner(simd, &rows, 9, origin),
-        c: shear.corner(simd, &rows, 12, origin),
-    };
-    let distances = Distances {
-        min: f32x16::splat(simd, 0.0),
-        max: f32x16::splat(simd, f32::INFINITY),
-        scale: shear.scale,
-    };
-    let found = corners.meet(simd, u32::MAX >> (32 - PAIRS), distances);
     let (hit, lanes) = match &found {
         Some(found) => (found.hit, Some(found.lanes())),
         None => (0, None),
@@ -83,9 +151,34 @@ fn meet_16<S: Simd>(
     }
 }
 
+/// The hits of sixteen rays, each with its triangle: origins, directions and the three corners.
 #[inline(always)]
-fn row<S: Simd>(simd: S, row: &Row) -> f32x16<S> {
-    f32x16::simd_from(simd, *row)
+fn meet_vectors<S: Simd>(
+    simd: S,
+    [origin, dir, a, b, c]: [[f32x16<S>; 3]; 5],
+) -> Option<LaneHits<S>> {
+    let shear = Shear::new(simd, dir);
+    let corners = ShearedLanes {
+        a: shear.corner(a, origin),
+        b: shear.corner(b, origin),
+        c: shear.corner(c, origin),
+    };
+    let distances = Distances {
+        min: f32x16::splat(simd, 0.0),
+        max: f32x16::splat(simd, f32::INFINITY),
+        scale: shear.scale,
+    };
+    corners.meet(simd, u32::MAX >> (32 - PAIRS), distances)
+}
+
+/// The vectors whose components begin at a row.
+#[inline(always)]
+fn vector<S: Simd>(simd: S, rows: &[Row; 15], first: usize) -> [f32x16<S>; 3] {
+    [
+        f32x16::simd_from(simd, rows[first]),
+        f32x16::simd_from(simd, rows[first + 1]),
+        f32x16::simd_from(simd, rows[first + 2]),
+    ]
 }
 
 /// The constants of [`ShearedRay`], with masks in place of axes.
@@ -136,20 +229,9 @@ impl<S: Simd> Shear<S> {
         ]
     }
 
-    /// The corner whose components begin at a row.
     #[inline(always)]
-    fn corner(
-        &self,
-        simd: S,
-        rows: &[Row; 15],
-        first: usize,
-        origin: [f32x16<S>; 3],
-    ) -> [f32x16<S>; 3] {
-        let [x, y, z] = self.permuted([
-            row(simd, &rows[first]) - origin[0],
-            row(simd, &rows[first + 1]) - origin[1],
-            row(simd, &rows[first + 2]) - origin[2],
-        ]);
+    fn corner(&self, at: [f32x16<S>; 3], origin: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+        let [x, y, z] = self.permuted([at[0] - origin[0], at[1] - origin[1], at[2] - origin[2]]);
         [x - self.x * z, y - self.y * z, z]
     }
 }
@@ -157,7 +239,7 @@ impl<S: Simd> Shear<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
+    use crate::LANES;
 
     /// Numbers that repeat themselves after a long while.
     fn random(state: &mut u32) -> f32 {
@@ -197,6 +279,53 @@ mod tests {
                 some += u32::from(hit.is_some());
             }
             assert!(some > 10_000, "{some}");
+            for first in (0..rays.len() - LANES).step_by(37) {
+                let len = LANES - first % 50;
+                let pairs = first..first + len;
+                check_lanes(
+                    unit,
+                    &rays[pairs.clone()],
+                    &triangles[pairs.clone()],
+                    &hits[pairs],
+                );
+            }
+        }
+    }
+
+    fn check_lanes(
+        unit: VectorUnit,
+        rays: &[Ray],
+        triangles: &[Triangle],
+        expected: &[Option<TriangleHit>],
+    ) {
+        let (mut origin, mut dir) = (Vec3Lanes::default(), Vec3Lanes::default());
+        let mut corners = [const { [[0.0; LANES]; 3] }; 3];
+        for (i, (ray, triangle)) in rays.iter().zip(triangles).enumerate() {
+            origin.set(i, ray.origin);
+            dir.set(i, ray.dir);
+            for (corner, place) in corners.iter_mut().zip([triangle.a, triangle.b, triangle.c]) {
+                for (component, value) in corner.iter_mut().zip(place.to_array()) {
+                    component[i] = value;
+                }
+            }
+        }
+        let pairs = PairLanes {
+            len: rays.len(),
+            origin: &origin,
+            dir: &dir,
+            corners: corners.each_ref().map(|corner| corner.each_ref()),
+        };
+        let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
+        let found = triangle_coordinates_lanes(unit, &pairs, &mut u, &mut v);
+        assert_eq!(found.checked_shr(rays.len() as u32).unwrap_or(0), 0);
+        for (i, expected) in expected.iter().enumerate() {
+            assert_eq!(found >> i & 1 == 1, expected.is_some());
+            if let Some(hit) = expected {
+                assert_eq!(
+                    (u[i].to_bits(), v[i].to_bits()),
+                    (hit.u.to_bits(), hit.v.to_bits())
+                );
+            }
         }
     }
 }

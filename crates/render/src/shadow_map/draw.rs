@@ -10,8 +10,10 @@ use super::{
 };
 use crate::{
     Camera, GlassShadows, InstanceId, Light, SceneBvh, Settings,
+    render::lock,
     scene_draws::{SceneDraws, find, first_ids},
 };
+use std::sync::Mutex;
 use umbriel_kernels::{
     DepthImage, Plane, Raster,
     glam::{Vec2, Vec3},
@@ -60,6 +62,29 @@ impl ShadowMaps {
     /// The scene must have passed [`Scene::validate`](crate::Scene::validate), the settings must be in the ranges that their fields state. The bytes
     /// do not depend on the number of threads.
     pub fn render(bvh: &SceneBvh, camera: &Camera, settings: &Settings, with_ids: bool) -> Self {
+        let mut maps = Self {
+            maps: Vec::new(),
+            first_ids: Vec::new(),
+        };
+        maps.render_into(bvh, camera, settings, with_ids);
+        maps
+    }
+
+    /// [`ShadowMaps::render`] into the memory of former maps: fresh memory takes longer than most tiles.
+    pub fn render_into(
+        &mut self,
+        bvh: &SceneBvh,
+        camera: &Camera,
+        settings: &Settings,
+        with_ids: bool,
+    ) {
+        let former = std::mem::take(&mut self.maps).into_iter();
+        let former = former.flat_map(|map| map.faces).map(|face| DepthImage {
+            width: face.view.side,
+            height: face.view.side,
+            depth: face.stored,
+            ids: face.ids,
+        });
         let scene = bvh.scene();
         let extent = Extent::of(bvh);
         let first_ids = first_ids(scene);
@@ -70,10 +95,11 @@ impl ShadowMaps {
             extent: &extent,
             first_ids: &first_ids,
             with_ids,
+            former: Mutex::new(former.collect()),
         };
         let maps = scene.lights.iter().enumerate();
-        let maps = maps.map(|(number, light)| job.map(number, light)).collect();
-        Self { maps, first_ids }
+        self.maps = maps.map(|(number, light)| job.map(number, light)).collect();
+        self.first_ids = first_ids;
     }
 
     /// The map of the light of this position in [`Scene::lights`](crate::Scene::lights).
@@ -122,6 +148,8 @@ struct Job<'a> {
     extent: &'a Extent,
     first_ids: &'a [u32],
     with_ids: bool,
+    /// Images whose memory may be used again.
+    former: Mutex<Vec<DepthImage>>,
 }
 
 impl Job<'_> {
@@ -215,7 +243,9 @@ impl Job<'_> {
             let least_w = if view.perspective { view.near } else { 0.5 };
             let raster = Raster::new(size, TILE, least_w, &draws.draws);
             let keep = |draw, primitive, u, v| draws.is_kept(scene, draw, primitive, u, v);
-            raster.depth_image(self.with_ids, Some(&keep))
+            let mut image = lock(&self.former).pop().unwrap_or_default();
+            raster.depth_image_into(self.with_ids, Some(&keep), &mut image);
+            image
         };
         DepthMap {
             view,

@@ -79,7 +79,7 @@ impl ShadowMap {
 }
 
 impl ReceiverLanes {
-    /// Projects the surfaces' points; loops of their own for both kinds of views and the default bias.
+    /// Projects the surfaces' points; loops of their own for both kinds of views and the usual biases.
     #[inline(always)]
     fn fill(&mut self, face: &DepthMap, bias: &Bias, reach: u32, surfaces: &SurfaceLanes) {
         let view = &face.view;
@@ -97,6 +97,14 @@ impl ReceiverLanes {
             }
             (true, Bias::Adaptive { amount }) => {
                 self.fill_each(&through_light, &Bias::Adaptive { amount }, reach, surfaces);
+            }
+            (false, Bias::SlopeScaled { amount, unit }) => {
+                let bias = Bias::SlopeScaled { amount, unit };
+                self.fill_each(&parallel, &bias, reach, surfaces);
+            }
+            (true, Bias::SlopeScaled { amount, unit }) => {
+                let bias = Bias::SlopeScaled { amount, unit };
+                self.fill_each(&through_light, &bias, reach, surfaces);
             }
             _ => self.fill_each(view, bias, reach, surfaces),
         }
@@ -126,36 +134,65 @@ impl ReceiverLanes {
         }
     }
 
-    /// The share of lit texels up to `reach` around each receiver: tap by tap the depths are gathered, then compared in lanes.
+    /// The share of lit texels up to `reach` around each receiver.
     #[inline(always)]
     fn lit_share(&self, face: &DepthMap, reach: u32, len: usize, lit: &mut Lanes) {
         let lanes = whole_vectors(len);
-        let side = face.view.side;
-        let mut texels = [0.0; LANES];
+        let width = 2 * reach + 1;
         *lit = [0.0; LANES];
-        for row in 0..=2 * reach {
-            for column in 0..=2 * reach {
-                // From the square's first texel.
-                let step = row * side + column;
-                let first = reach * side + reach;
-                for (texel, own) in texels[..lanes].iter_mut().zip(&self.texel) {
-                    *texel = face.stored[(own - first + step) as usize];
-                }
-                let dx = column as f32 - reach as f32;
-                let dy = row as f32 - reach as f32;
-                for i in 0..lanes {
-                    let compared = self.stored[i] + (self.plane_x[i] * dx + self.plane_y[i] * dy);
-                    lit[i] += if is_lit(texels[i], compared) {
-                        1.0
-                    } else {
-                        0.0
-                    };
+        for row in 0..width {
+            let mut column = 0;
+            while column < width {
+                let tap = [column, row];
+                // One check of the bounds for three texels.
+                if column + 3 <= width {
+                    self.add_taps::<3>(face, reach, tap, lanes, lit);
+                    column += 3;
+                } else {
+                    self.add_taps::<1>(face, reach, tap, lanes, lit);
+                    column += 1;
                 }
             }
         }
-        let width = (2 * reach + 1) as f32;
+        let width = width as f32;
         for lit in &mut lit[..lanes] {
             *lit /= width * width;
+        }
+    }
+
+    /// Adds 1 for each lit texel of `N` side by side in the square; the depths are gathered, then compared in lanes.
+    #[inline(always)]
+    fn add_taps<const N: usize>(
+        &self,
+        face: &DepthMap,
+        reach: u32,
+        [column, row]: [u32; 2],
+        lanes: usize,
+        lit: &mut Lanes,
+    ) {
+        let side = face.view.side;
+        // From the square's first texel.
+        let (step, first) = (row * side + column, reach * side + reach);
+        let mut texels = [[0.0; LANES]; N];
+        for (i, own) in self.texel[..lanes].iter().enumerate() {
+            let from = (own - first + step) as usize;
+            if let Some(near) = face.stored[from..].first_chunk::<N>() {
+                for (texels, &stored) in texels.iter_mut().zip(near) {
+                    texels[i] = stored;
+                }
+            }
+        }
+        let dy = row as f32 - reach as f32;
+        for (texels, column) in texels.iter().zip(column..) {
+            let dx = column as f32 - reach as f32;
+            for i in 0..lanes {
+                let compared = self.stored[i] + (self.plane_x[i] * dx + self.plane_y[i] * dy);
+                lit[i] += if is_lit(texels[i], compared) {
+                    1.0
+                } else {
+                    0.0
+                };
+            }
         }
     }
 }
