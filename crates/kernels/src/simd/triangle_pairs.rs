@@ -239,6 +239,7 @@ impl<S: Simd> Shear<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::LANES;
 
     /// Numbers that repeat themselves after a long while.
     fn random(state: &mut u32) -> f32 {
@@ -278,6 +279,53 @@ mod tests {
                 some += u32::from(hit.is_some());
             }
             assert!(some > 10_000, "{some}");
+            for first in (0..rays.len() - LANES).step_by(37) {
+                let len = LANES - first % 50;
+                let pairs = first..first + len;
+                check_lanes(
+                    unit,
+                    &rays[pairs.clone()],
+                    &triangles[pairs.clone()],
+                    &hits[pairs],
+                );
+            }
+        }
+    }
+
+    fn check_lanes(
+        unit: VectorUnit,
+        rays: &[Ray],
+        triangles: &[Triangle],
+        expected: &[Option<TriangleHit>],
+    ) {
+        let (mut origin, mut dir) = (Vec3Lanes::default(), Vec3Lanes::default());
+        let mut corners = [const { [[0.0; LANES]; 3] }; 3];
+        for (i, (ray, triangle)) in rays.iter().zip(triangles).enumerate() {
+            origin.set(i, ray.origin);
+            dir.set(i, ray.dir);
+            for (corner, place) in corners.iter_mut().zip([triangle.a, triangle.b, triangle.c]) {
+                for (component, value) in corner.iter_mut().zip(place.to_array()) {
+                    component[i] = value;
+                }
+            }
+        }
+        let pairs = PairLanes {
+            len: rays.len(),
+            origin: &origin,
+            dir: &dir,
+            corners: corners.each_ref().map(|corner| corner.each_ref()),
+        };
+        let (mut u, mut v) = ([0.0; LANES], [0.0; LANES]);
+        let found = triangle_coordinates_lanes(unit, &pairs, &mut u, &mut v);
+        assert_eq!(found.checked_shr(rays.len() as u32).unwrap_or(0), 0);
+        for (i, expected) in expected.iter().enumerate() {
+            assert_eq!(found >> i & 1 == 1, expected.is_some());
+            if let Some(hit) = expected {
+                assert_eq!(
+                    (u[i].to_bits(), v[i].to_bits()),
+                    (hit.u.to_bits(), hit.v.to_bits())
+                );
+            }
         }
     }
 }
