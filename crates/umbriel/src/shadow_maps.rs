@@ -8,11 +8,8 @@ use crate::{
 use serde_json::{Value, json};
 use umbriel_formats::{
     Loaded, SceneSettings, ShadowMapOverrides, check_shadow_map_side,
-    render::{Light, Method, Settings, ShadowFilter, ShadowMapSettings},
+    render::{Light, Method, Settings, ShadowFilter, ShadowMap, ShadowMapSettings},
 };
-
-/// Bytes of a texel: its depth.
-const TEXEL_BYTES: u64 = 4;
 
 /// The settings of each light of the scene.
 pub(crate) fn choose_shadow_maps(
@@ -60,23 +57,10 @@ fn maps<'a>(
     lights.iter().zip(&settings.shadow_maps)
 }
 
-/// Depth images of a light: the cascades, one, or the faces of a cube.
-fn images(light: &Light, map: &ShadowMapSettings) -> u32 {
-    match light {
-        Light::Directional(_) => map.cascades,
-        Light::Spot(_) => 1,
-        Light::Point(_) => 6,
-    }
-}
-
-fn map_bytes(light: &Light, map: &ShadowMapSettings) -> u64 {
-    u64::from(map.resolution).pow(2) * TEXEL_BYTES * u64::from(images(light, map))
-}
-
 /// Refuses shadow maps that do not fit into the memory together.
 pub(crate) fn check_shadow_memory(settings: &Settings, lights: &[Light]) -> Result<(), Failure> {
     let bytes = maps(settings, lights).fold(0_u64, |sum, (light, map)| {
-        sum.saturating_add(map_bytes(light, map))
+        sum.saturating_add(ShadowMap::bytes(light, map))
     });
     let count = maps(settings, lights).count();
     let taker = match count {
@@ -104,8 +88,8 @@ pub(crate) fn shadow_map_lines(settings: &Settings, lights: &[Light]) -> Vec<Str
 
 /// `6 of 2048x2048, 96.0 MiB, bias adaptive:1, filter pcss:64, light of 0.1 m`.
 pub(crate) fn map_words(light: &Light, map: &ShadowMapSettings) -> String {
-    let (side, bytes) = (map.resolution, memory(map_bytes(light, map) as f64));
-    let count = match images(light, map) {
+    let (side, bytes) = (map.resolution, memory(ShadowMap::bytes(light, map) as f64));
+    let count = match ShadowMap::images(light, map) {
         1 => String::new(),
         n => format!("{n} of "),
     };
@@ -139,12 +123,12 @@ pub(crate) fn shadow_maps_json(settings: &Settings, lights: &[Light]) -> Value {
     let one = |(light, map): (&Light, &ShadowMapSettings)| {
         json!({
             "light": light.name(),
-            "images": images(light, map),
+            "images": ShadowMap::images(light, map),
             "resolution": map.resolution,
             "bias": map.bias.to_string(),
             "filter": map.filter.to_string(),
             "size": shown_size(light, map),
-            "memory": map_bytes(light, map),
+            "memory": ShadowMap::bytes(light, map),
         })
     };
     maps(settings, lights).map(one).collect()

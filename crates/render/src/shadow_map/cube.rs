@@ -1,7 +1,7 @@
 //! The views of point and spot lights: a cube of six faces, or one face.
 
-use super::{LightView, view::axes};
-use crate::SpotLight;
+use super::{LightView, ShadowMapSettings, view::axes};
+use crate::{Light, SpotLight};
 use umbriel_kernels::glam::{DMat3, DVec3, Vec3};
 
 /// The nearest caster's distance as a share of the furthest one's; what is nearer to the light casts no shadow. Stored depths are as
@@ -9,6 +9,15 @@ use umbriel_kernels::glam::{DMat3, DVec3, Vec3};
 const LEAST_DISTANCE: f32 = 1.0 / (1_u64 << 40) as f32;
 /// Spot lights with wider cones (about 63°) have a cube: one face would spend its texels on the rim.
 const WIDEST_FACE: f32 = 1.1;
+
+/// How many views a light has with these settings, where anything is visible.
+pub(crate) fn images(light: &Light, settings: &ShadowMapSettings) -> u32 {
+    match light {
+        Light::Directional(_) => settings.cascades,
+        Light::Spot(light) if light.outer_angle <= WIDEST_FACE => 1,
+        Light::Spot(_) | Light::Point(_) => 6,
+    }
+}
 
 /// The views of a spot light whose furthest caster is `reach` away.
 pub(crate) fn spot(light: &SpotLight, reach: f32, side: u32) -> Vec<LightView> {

@@ -133,6 +133,24 @@ impl ShadowMaps {
 }
 
 impl ShadowMap {
+    /// How many depth images a light has with these settings.
+    pub fn images(light: &Light, settings: &ShadowMapSettings) -> u32 {
+        cube::images(light, settings)
+    }
+
+    /// Bytes that a light's depth images take with these settings, those of ids apart; filters that live on moments have two or four numbers a texel more, and
+    /// as many again while they are blurred.
+    pub fn bytes(light: &Light, settings: &ShadowMapSettings) -> u64 {
+        let numbers = match settings.filter {
+            ShadowFilter::Vsm { .. } => 1 + 2 * 2,
+            ShadowFilter::Evsm { .. } | ShadowFilter::Msm { .. } => 1 + 2 * 4,
+            _ => 1,
+        };
+        let texels =
+            u64::from(settings.resolution).pow(2) * u64::from(Self::images(light, settings));
+        texels * numbers * 4
+    }
+
     /// Its depth images: the cascades of a directional light from the nearest on, one of a spot light, or the six of a cube for point lights and
     /// wide spot lights, +x, −x, +y, −y, +z, −z. None for parallel light that nothing visible stands in.
     pub fn faces(&self) -> &[DepthMap] {
