@@ -116,7 +116,7 @@ impl Aabb {
 /// and inside the box where all three intervals and the ray's own overlap. `inv_dir` is
 /// `1 / ray.dir`, computed once for many boxes.
 ///
-/// Rounding never turns a hit into a miss, for rays with `t.min ≥ 0`: an end has three roundings, and its
+/// Rounding never turns a hit into a miss, for rays with `t.min ≥ 0`, where no product underflows and no direction is longer than 2¹²⁶: an end has three roundings, and its
 /// widening by 2 ulp = 4u = 4·2⁻²⁴ (itself rounded) covers all four, `(1 + u)⁴ ≤ 1 + 4u` short of u².
 /// So every f32 `t` at which the exact ray is in the box lies between the two results.
 ///

@@ -15,9 +15,9 @@
 //! | cone, truncated cone | [`intersect_cone`] | Cychosz & Waggenspack 1994 | - |
 //! | torus | [`intersect_torus`] | Hanrahan 1989 | - |
 //! | triangle | [`intersect_triangle`] | Möller & Trumbore 1997 | - |
-//! | triangle, watertight | [`intersect_triangle_watertight`] | Woop, Benthin & Wald 2013 | in [`MeshBvh`], one ray and sixteen triangles or sixteen rays and one |
-//! | bounding box | [`intersect_aabb`] | Kay & Kajiya 1986, Ize 2013 | in [`MeshBvh`], sixteen boxes at once |
-//! | hierarchy of boxes | a loop over all | Wald 2007; Stich, Friedrich & Dietrich 2009; Ylitie, Karras & Laine 2017 | [`MeshBvh`], [`InstanceBvh`] |
+//! | triangle, watertight | [`intersect_triangle_watertight`] | Woop, Benthin & Wald 2013 | in [`MeshBvh`]: `simd/triangle_leaf.rs`, one ray and sixteen triangles; `simd/packet_leaf.rs`, sixteen rays and one |
+//! | bounding box | [`intersect_aabb`] | Kay & Kajiya 1986, Ize 2013 | in [`MeshBvh`]: `simd/box_ray.rs`, sixteen boxes at once |
+//! | hierarchy of boxes | [`Bvh`] | Rubin & Whitted 1980; Kay & Kajiya 1986; Wald 2007; Stich, Friedrich & Dietrich 2009; Ylitie, Karras & Laine 2017 | [`MeshBvh`], [`InstanceBvh`] |
 //! | start of a secondary ray | [`offset_origin`] | Pharr, Jakob & Humphreys 2023 | - |
 //! | crossings of a ray, in and out | [`Body::all_hits`] | Woop, Benthin & Wald 2013; Edelsbrunner & Mücke 1990 | - |
 //! | inside a closed surface | [`surface_contains`] | definitions | - |
@@ -66,6 +66,7 @@
 mod aabb;
 mod build;
 mod bvh;
+mod bvh_slide;
 mod cone;
 mod cuboid;
 mod cylinder;
@@ -91,6 +92,7 @@ mod triangle;
 
 pub use aabb::{Aabb, intersect_aabb};
 
+pub use bvh_slide::Bvh;
 pub use cone::{Cone, intersect_cone};
 pub use cuboid::{Cuboid, intersect_cuboid};
 pub use cylinder::{Cylinder, intersect_cylinder};

@@ -27,7 +27,7 @@ pub fn offset_origin(p: Vec3, error: Vec3, ng: Vec3, dir: Vec3) -> Vec3 {
     let side = if dir.dot(ng) < 0.0 { -delta } else { delta };
     let offset = ng * side;
     let moved = p + offset;
-    // At least one float further out; the least positive number takes the place of an ulp at 0.
+    // At least one float further out; the least normal number takes the place of an ulp at 0.
     let ulp = moved.abs() * f32::EPSILON + Vec3::splat(f32::MIN_POSITIVE);
     moved + ulp.copysign(offset)
 }

@@ -16,7 +16,7 @@ pub struct Interval {
 }
 
 impl Interval {
-    /// Everything in front of the origin: `(0, ∞]`.
+    /// Everything in front of the origin: `(0, ∞)`.
     pub const POSITIVE: Self = Self {
         min: 0.0,
         max: f32::INFINITY,
@@ -44,7 +44,7 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// The ray from `origin` along `dir` over `t` in `(0, ∞]`.
+    /// The ray from `origin` along `dir` over `t` in `(0, ∞)`.
     #[inline]
     pub fn new(origin: Vec3, dir: Vec3) -> Self {
         Self {

@@ -23,9 +23,9 @@ impl Triangle {
 
     /// The normal `(b − a) × (c − a)`, pointing out of the front; its length is twice the area.
     ///
-    /// Computed in f64, where the edges and their products are all but exact: the result does not
-    /// depend on the corner one starts with, swapping two corners flips its sign, and it is exactly
-    /// zero for corners on a line.
+    /// Computed in f64, where the edges are exact for coordinates within a factor of 2²⁹ of each other, and their products where edges
+    /// have 26 bits or less, as between coordinates of one magnitude: there the result does not depend on the corner one starts with, and is
+    /// exactly zero for corners on a line. Elsewhere the last bits may differ. Swapping `b` and `c` flips its sign, always.
     pub fn normal(&self) -> Vec3 {
         self.area_vector().as_vec3()
     }

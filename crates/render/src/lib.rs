@@ -2,7 +2,7 @@
 //!
 //! A [`Scene`] is plain data. [`SceneBvh::build`] makes it ready for rays, [`render()`] draws it with a [`Camera`] and
 //! [`Settings`] into a [`Film`], and [`develop`] turns that into bytes for a screen. `ARCHITECTURE.md` says how the
-//! algorithms share one queue of weighted rays.
+//! algorithms share one queue of weighted rays. Files of the table without a folder stand in `src/`, those of shadow maps in `src/shadow_map/`.
 //!
 //! | topic | function | source |
 //! |---|---|---|
@@ -21,8 +21,13 @@
 //! | light of the sky on a surface | [`Environment::ambient`] | Ramamoorthi & Hanrahan 2001 |
 //! | is it lit? By a ray | [`Visibility`]: [`ShadowRays`], [`Unshadowed`] | Appel 1968; Whitted 1980 |
 //! | is it lit? By a depth image | [`ShadowMaps::render`], [`ShadowMap::fraction`], [`ShadowMap::lookup`] | Williams 1978 |
-//! | what keeps a map from shadowing its own surfaces | [`Bias`] | Dou et al. 2014; Holbert 2011; Isidoro 2006 |
-//! | soft edges of mapped shadows | [`ShadowFilter`] | Reeves et al. 1987; Fernando 2005; Donnelly & Lauritzen 2006; Peters & Klein 2015 |
+//! | what the eye sees, by rasterisation | [`draw_triangle`](umbriel_kernels::draw_triangle); twin `eye_raster.rs` | Pineda 1988 |
+//! | maps of parallel light, cascades | `fit.rs` | Zhang et al. 2006; Valient 2008 |
+//! | what keeps a map from shadowing its own surfaces | [`Bias`]: `receiver` in `bias.rs` | Dou et al. 2014; Holbert 2011; Isidoro 2006 |
+//! | comparisons in a square | [`ShadowFilter::Pcf`], [`ShadowFilter::Bilinear`]: `filter/pcf.rs`, `filter/bilinear.rs` | Reeves, Salesin & Cook 1987 |
+//! | comparisons in a disk | [`ShadowFilter::Poisson`], [`ShadowFilter::Vogel`]: `filter/disk.rs` | Mitchell 1991; Vogel 1979 |
+//! | shadows as soft as the light is large | [`ShadowFilter::Pcss`]: `filter/pcss.rs` | Fernando 2005 |
+//! | prefiltered shadows | [`ShadowFilter::Vsm`], [`ShadowFilter::Evsm`], [`ShadowFilter::Msm`]: `filter/vsm.rs`, `evsm.rs`, `msm.rs` | Donnelly & Lauritzen 2006; Lauritzen & McCool 2008; Peters & Klein 2015 |
 //! | places of samples | [`sample_pixel`] | Hammersley 1960; Cranley & Patterson 1976 |
 //! | tone curves, sRGB | [`develop`] | Khronos 2024; Hill 2016; Sobotka 2022; IEC 61966-2-1 |
 //! | the pictures of shadow mapping | [`show()`] with a [`Show`] | |

@@ -147,10 +147,10 @@ fn imports_point_down() {
 
 /// Functions that put a formula from the literature into code.
 fn is_slide(line: &str) -> bool {
-    let name = line
-        .trim_start_matches("pub ")
-        .strip_prefix("fn ")
-        .unwrap_or_default();
+    let visible = ["pub(crate) ", "pub(super) ", "pub "];
+    let code = line.trim_start();
+    let code = visible.iter().find_map(|v| code.strip_prefix(v)).unwrap_or(code);
+    let name = code.strip_prefix("fn ").unwrap_or_default();
     let kinds = [
         "intersect_",
         "eval_ggx",
@@ -159,6 +159,11 @@ fn is_slide(line: &str) -> bool {
         "tonemap_",
         "sample_pixel",
         "terminator_",
+        "filter_",
+        "draw_triangle",
+        "chebyshev",
+        "solid_angle",
+        "offset_origin",
     ];
     kinds.iter().any(|kind| name.starts_with(kind))
 }

@@ -50,7 +50,8 @@ impl TriangleMesh {
 
     /// Whether the triangles go around what they enclose without a hole: each edge runs as often one way as the other.
     ///
-    /// Judged without the triangles that are left out, and to a chance of 2⁻¹²⁸.
+    /// Judged without the triangles that are left out, and by a sum of 128-bit hashes: a mesh with holes is taken for closed
+    /// with a chance of 2⁻¹²⁸, if not made for it.
     pub fn is_closed(&self) -> bool {
         self.winding.is_none()
     }
