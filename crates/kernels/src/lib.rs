@@ -72,6 +72,8 @@ mod cuboid;
 mod cylinder;
 mod disk;
 mod hit;
+mod implicit;
+
 mod instance_visit;
 mod instance_walk;
 mod instances;
@@ -99,6 +101,7 @@ pub use cylinder::{Cylinder, intersect_cylinder};
 pub use disk::{Disk, intersect_disk};
 pub use glam;
 pub use hit::{Hit, SurfaceHit, SurfacePoint, TriangleHit};
+pub use implicit::{Formula, FormulaError, Interval64, Scratch, Tape};
 pub use instances::{Filter, InstanceBvh, Placed, Shape};
 pub use mesh_bvh::{BuildQuality, MeshBvh, MeshHit, Walk};
 pub use offset::{gamma, offset_origin};
