@@ -1,12 +1,16 @@
 //! Implicit surfaces: formulas and their evaluators.
 
+mod bodies;
 mod bounds;
+mod call;
 mod formula;
 mod functions;
 mod graph;
 mod interval;
 mod interval_functions;
+mod lexer;
 mod op;
+mod parser;
 mod point;
 mod slices;
 mod slopes;

@@ -153,13 +153,7 @@ fn operate(op: &Op, registers: &mut [Block], len: usize) {
             tan,
         ),
         Code::Exp => {
-            each(
-                out,
-                a,
-                len,
-                #[inline(always)]
-                |a| near_exp(a),
-            );
+            each(out, a, len, near_exp);
             mend(out, a, len, EXP_LIMIT, exp);
         }
         Code::Asin => each(out, a, len, f64::asin),
@@ -198,30 +192,9 @@ fn operate(op: &Op, registers: &mut [Block], len: usize) {
             #[inline(always)]
             |a, b| a / b,
         ),
-        Code::Min => pairs(
-            out,
-            a,
-            b,
-            len,
-            #[inline(always)]
-            |a, b| min(a, b),
-        ),
-        Code::Max => pairs(
-            out,
-            a,
-            b,
-            len,
-            #[inline(always)]
-            |a, b| max(a, b),
-        ),
-        Code::Mod => pairs(
-            out,
-            a,
-            b,
-            len,
-            #[inline(always)]
-            |a, b| modulo(a, b),
-        ),
+        Code::Min => pairs(out, a, b, len, min),
+        Code::Max => pairs(out, a, b, len, max),
+        Code::Mod => pairs(out, a, b, len, modulo),
         Code::Atan2 => pairs(out, a, b, len, f64::atan2),
         Code::Pow => pairs(out, a, b, len, f64::powf),
     }
