@@ -35,7 +35,7 @@ impl Tape {
                     Choice::Open
                 });
             }
-            is_sure &= is_bounded(result) && !op.is_partial(a);
+            is_sure &= is_bounded(result) && !op.is_partial(a, b);
             bounds[op.out as usize] = result;
         }
         bounds[self.root as usize]
@@ -93,9 +93,23 @@ impl Tape {
             let b = if op.code == Code::Powi { 0 } else { op.b };
             let (a, da) = (bounds[op.a as usize], memory[op.a as usize]);
             let (b, db) = (bounds[b as usize], memory[b as usize]);
-            let f = op.bounds(a, b);
-            memory[op.out as usize] = op.slope_bounds(f, (a, &da), (b, &db));
+            let (f, df) = match op.code {
+                // Values and slopes come of the same sines and cosines.
+                Code::Sin => {
+                    let (sin, cos) = a.sin_cos();
+                    (sin, da.map(|da| cos * da))
+                }
+                Code::Cos => {
+                    let (sin, cos) = a.sin_cos();
+                    (cos, da.map(|da| -sin * da))
+                }
+                _ => {
+                    let f = op.bounds(a, b);
+                    (f, op.slope_bounds(f, (a, &da), (b, &db)))
+                }
+            };
             bounds[op.out as usize] = f;
+            memory[op.out as usize] = df;
         }
         (bounds[self.root as usize], memory[self.root as usize])
     }
@@ -149,8 +163,10 @@ impl Op {
             Code::Max => (a.lo > b.hi, b.lo > a.hi),
             Code::Abs => (a.lo > 0.0, a.hi < 0.0),
             _ => {
-                let turns = if self.code == Code::Mod { a / b } else { a }.floor();
-                let is_decided = turns.lo == turns.hi;
+                let x = if self.code == Code::Mod { a / b } else { a };
+                let turns = x.floor();
+                // Zero has a sign, which ⌊−0⌋ keeps.
+                let is_decided = turns.lo == turns.hi && (turns.lo != 0.0 || x.lo > 0.0);
                 return if is_decided {
                     Choice::Floor(turns.lo)
                 } else {
@@ -165,12 +181,13 @@ impl Op {
         }
     }
 
-    /// Whether part of the first operand may be outside of the function's domain. That divisions and logarithms are near
+    /// Whether some of the operands may be outside of the function's domain. That divisions and logarithms are near
     /// their poles is seen by what is infinite.
     #[inline]
-    fn is_partial(&self, a: Interval64) -> bool {
+    fn is_partial(&self, a: Interval64, b: Interval64) -> bool {
         match self.code {
             Code::Sqrt | Code::Ln | Code::Pow => a.lo < 0.0,
+            Code::Mod => b.contains(0.0),
             Code::Asin | Code::Acos => a.lo < -1.0 || a.hi > 1.0,
             _ => false,
         }
@@ -181,7 +198,7 @@ impl Op {
 #[inline]
 pub(super) fn constant(c: f64) -> Interval64 {
     Interval64 {
-        lo: c.min(f64::MAX),
-        hi: c.max(f64::MIN),
+        lo: if c > f64::MAX { f64::MAX } else { c },
+        hi: if c < f64::MIN { f64::MIN } else { c },
     }
 }

@@ -28,7 +28,7 @@ const fn two_or_more(name: &'static str) -> Function {
 }
 
 /// All functions.
-pub(super) const FUNCTIONS: [Function; 33] = [
+pub(super) static FUNCTIONS: [Function; 33] = [
     exactly("abs", 1),
     exactly("sqrt", 1),
     exactly("floor", 1),

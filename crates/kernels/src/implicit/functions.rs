@@ -9,7 +9,7 @@ pub(super) const TRIG_LIMIT: f64 = 1e5;
 /// `2^(x/ln 2)` is a normal number up to here; beyond the standard library takes over.
 pub(super) const EXP_LIMIT: f64 = 700.0;
 /// Adding and taking it away rounds to an integer, which then stands in the lowest bits.
-const ROUND: f64 = 6_755_399_441_055_744.0;
+pub(super) const ROUND: f64 = 6_755_399_441_055_744.0;
 
 /// π/2 in three parts, the first two of 33 bits, so that their products with up to 2²⁰ quarter turns are exact.
 const HALF_PI: [f64; 3] = [
@@ -148,6 +148,16 @@ pub(super) fn cos(x: f64) -> f64 {
     }
 }
 
+/// `(sin x, cos x)`
+#[inline]
+pub(super) fn sin_cos(x: f64) -> (f64, f64) {
+    if is_near(x, TRIG_LIMIT) {
+        near_sin_cos(x)
+    } else {
+        (x.sin(), x.cos())
+    }
+}
+
 /// `tan x`, the quotient of sine and cosine.
 pub(super) fn tan(x: f64) -> f64 {
     if is_near(x, TRIG_LIMIT) {
@@ -183,6 +193,15 @@ pub(super) fn max(a: f64, b: f64) -> f64 {
 #[inline(always)]
 pub(super) fn modulo(a: f64, b: f64) -> f64 {
     a - b * (a / b).floor()
+}
+
+/// `aᵇ`; NaN also for NaN to a power that happens to be 0.
+pub(super) fn pow(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() {
+        f64::NAN
+    } else {
+        a.powf(b)
+    }
 }
 
 /// `xⁿ` by repeated squaring; `x⁻ⁿ` is `1/xⁿ`.

@@ -3,6 +3,7 @@
 use super::op::{Code, Op};
 use super::tape::Tape;
 use std::collections::HashMap;
+use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 
 /// A formula's expressions, each after those that it is made of, and none twice.
 ///
@@ -11,7 +12,8 @@ use std::collections::HashMap;
 #[derive(Debug, Default)]
 pub(super) struct Graph {
     ops: Vec<Op>,
-    known: HashMap<(Code, u32, u32, u64), u32>,
+    /// The operations' numbers in a hash table with open addresses, at most half full; 0 where there is none.
+    known: Vec<Id>,
     /// Steps taken by [`Graph::substitute`].
     substituted: usize,
 }
@@ -30,11 +32,11 @@ const MOST_POWER: f64 = 1024.0;
 
 impl Graph {
     /// Different expressions in one formula, and steps of substitution.
-    pub(super) const MOST: usize = 1 << 22;
+    pub(super) const MOST: usize = 1 << 23;
 
     /// Whether a formula has grown beyond what is computed; further expressions are not to be added.
     pub(super) fn is_full(&self) -> bool {
-        self.ops.len() >= Self::MOST || self.substituted >= 4 * Self::MOST
+        self.ops.len() >= Self::MOST || self.substituted >= Self::MOST / 4
     }
 
     /// The tape that computes one of the expressions.
@@ -53,16 +55,38 @@ impl Graph {
             .map(|op| op.c)
     }
 
+    /// The number of an operation, which is appended if it is new.
     fn push(&mut self, code: Code, a: Id, b: Id, c: f64) -> Id {
+        if 2 * self.ops.len() >= self.known.len() {
+            self.known = vec![0; (2 * self.known.len()).max(64)];
+            for i in 0..self.ops.len() {
+                let place = self.place(&self.ops[i]);
+                self.known[place] = self.ops[i].out;
+            }
+        }
         let out = INPUTS + self.ops.len() as u32;
-        let ops = &mut self.ops;
-        *self
-            .known
-            .entry((code, a, b, c.to_bits()))
-            .or_insert_with(|| {
-                ops.push(Op { code, out, a, b, c });
-                out
-            })
+        let op = Op { code, out, a, b, c };
+        let place = self.place(&op);
+        if self.known[place] == 0 {
+            self.known[place] = out;
+            self.ops.push(op);
+        }
+        self.known[place]
+    }
+
+    /// Where an operation is in the table, or is to be put.
+    fn place(&self, op: &Op) -> usize {
+        let key = |op: &Op| (op.code, op.a, op.b, op.c.to_bits());
+        let mask = self.known.len() - 1;
+        let mut place =
+            BuildHasherDefault::<DefaultHasher>::default().hash_one(key(op)) as usize & mask;
+        while self
+            .op(self.known[place])
+            .is_some_and(|known| key(known) != key(op))
+        {
+            place = (place + 1) & mask;
+        }
+        place
     }
 
     pub(super) fn constant(&mut self, c: f64) -> Id {
@@ -81,6 +105,9 @@ impl Graph {
 
     pub(super) fn binary(&mut self, code: Code, a: Id, b: Id) -> Id {
         let (value_a, value_b) = (self.constant_value(a), self.constant_value(b));
+        if code == Code::Pow && value_b == Some(0.0) {
+            return self.constant(1.0);
+        }
         if let (Some(x), Some(y)) = (value_a, value_b) {
             return self.folded(code, x, y);
         }
@@ -112,7 +139,6 @@ impl Graph {
 
     fn power(&mut self, a: Id, n: i32) -> Id {
         match n {
-            0 => self.constant(1.0),
             1 => a,
             2 => self.push(Code::Square, a, 0, 0.0),
             _ => self.push(Code::Powi, a, n.cast_unsigned(), 0.0),

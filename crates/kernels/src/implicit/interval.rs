@@ -158,6 +158,9 @@ impl Interval64 {
         if self.is_empty() || n == 1 {
             return self;
         }
+        if n == 0 {
+            return Self::point(1.0);
+        }
         if n < 0 {
             return Self::point(1.0) / self.powi(-n);
         }

@@ -1,8 +1,8 @@
 //! Enclosures of the elementary functions: their values at the ends, widened by what they may be wrong.
 
 use super::Interval64;
-use super::functions::{cos, exp, sin, tan};
-use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use super::functions::{ROUND, exp, sin_cos, tan};
+use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI, TAU};
 
 /// The functions of `functions` are within 2 ulp, those of the standard library, on every platform it is built on, within 4.
 const ULPS: f64 = 4.0;
@@ -25,32 +25,42 @@ fn increasing(x: Interval64, f: impl Fn(f64) -> f64) -> Interval64 {
     }
 }
 
-/// Whether one of the points `phase + k·period` may be in an interval: rounding says yes rather than no.
-fn may_hold(x: Interval64, phase: f64, period: f64) -> bool {
-    let turns = |end: f64| (end - phase) / period;
-    let slack = |turns: f64| 8.0 * f64::EPSILON * (turns.abs() + 1.0);
-    let (first, last) = (turns(x.lo), turns(x.hi));
+/// Whether one of the points `phase + k/rate` may be in an interval: rounding says yes rather than no.
+#[inline]
+fn may_hold(x: Interval64, phase: f64, rate: f64) -> bool {
+    let (first, last) = ((x.lo - phase) * rate, (x.hi - phase) * rate);
+    let slack = 8.0 * f64::EPSILON * (first.abs() + last.abs() + 1.0);
     // `!(<)` holds for infinities and whatever they lead to.
-    !((last + slack(last)).floor() < (first - slack(first)).ceil())
+    !(round_down(last + slack) < first - slack)
 }
 
-/// What a wave that is 1 at `crest + k·2π` is between its values at the ends of an interval.
-fn wave(x: Interval64, f: fn(f64) -> f64, crest: f64) -> Interval64 {
-    if x.is_empty() {
-        return x;
+/// `⌊x⌋`, without a call where there is no instruction for it.
+#[inline]
+fn round_down(x: f64) -> f64 {
+    /// Numbers below have room for the sum, the last bit of which is 1.
+    const ROOM: f64 = 1e9;
+    if !(x.abs() < ROOM) {
+        return x.floor();
     }
-    let (a, b) = (f(x.lo), f(x.hi));
-    let is_finite = x.lo.is_finite() && x.hi.is_finite();
+    let nearest = (x + ROUND) - ROUND;
+    if nearest > x { nearest - 1.0 } else { nearest }
+}
+
+/// A wave that is 1 at `crest + k·2π`, from its values at the ends of an interval.
+#[inline]
+fn wave(x: Interval64, (a, b): (f64, f64), crest: f64) -> Interval64 {
+    const RATE: f64 = 1.0 / TAU;
+    let (least, most) = if a < b { (a, b) } else { (b, a) };
     Interval64 {
-        lo: if !is_finite || may_hold(x, crest + PI, TAU) {
+        lo: if may_hold(x, crest + PI, RATE) {
             -1.0
         } else {
-            down(a.min(b)).max(-1.0)
+            down(least).max(-1.0)
         },
-        hi: if !is_finite || may_hold(x, crest, TAU) {
+        hi: if may_hold(x, crest, RATE) {
             1.0
         } else {
-            up(a.max(b)).min(1.0)
+            up(most).min(1.0)
         },
     }
 }
@@ -58,12 +68,29 @@ fn wave(x: Interval64, f: fn(f64) -> f64, crest: f64) -> Interval64 {
 impl Interval64 {
     /// `sin x`
     pub fn sin(self) -> Self {
-        wave(self, sin, FRAC_PI_2)
+        self.sin_cos().0
     }
 
     /// `cos x`
     pub fn cos(self) -> Self {
-        wave(self, cos, 0.0)
+        self.sin_cos().1
+    }
+
+    /// `sin x` and `cos x`; what of them is not used is not computed.
+    #[inline(always)]
+    pub(super) fn sin_cos(self) -> (Self, Self) {
+        if self.is_empty() {
+            return (self, self);
+        }
+        if !(self.hi - self.lo < TAU) {
+            let all = Self::new(-1.0, 1.0);
+            return (all, all);
+        }
+        let ((sin_lo, cos_lo), (sin_hi, cos_hi)) = (sin_cos(self.lo), sin_cos(self.hi));
+        (
+            wave(self, (sin_lo, sin_hi), FRAC_PI_2),
+            wave(self, (cos_lo, cos_hi), 0.0),
+        )
     }
 
     /// `tan x`; everything around a pole.
@@ -71,7 +98,7 @@ impl Interval64 {
         if self.is_empty() {
             return self;
         }
-        if !self.lo.is_finite() || !self.hi.is_finite() || may_hold(self, FRAC_PI_2, PI) {
+        if !self.lo.is_finite() || !self.hi.is_finite() || may_hold(self, FRAC_PI_2, FRAC_1_PI) {
             return Self::WHOLE;
         }
         increasing(self, tan)
@@ -131,7 +158,7 @@ impl Interval64 {
 
     /// `ln x`, over `x ≥ 0`; −∞ at 0.
     pub fn ln(self) -> Self {
-        if !(self.hi > 0.0) {
+        if !(self.hi >= 0.0) {
             return Self::EMPTY;
         }
         increasing(Self::new(self.lo.max(0.0), self.hi), f64::ln)

@@ -1,6 +1,6 @@
 //! The operations that formulas are made of, and their values at a point.
 
-use super::functions::{cos, exp, max, min, modulo, powi, sin, tan};
+use super::functions::{cos, exp, max, min, modulo, pow, powi, sin, tan};
 
 /// What an operation does with its operands `a` and `b`, or with `a` and its constant `c`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -112,7 +112,7 @@ impl Op {
             Code::Min => min(a, b),
             Code::Max => max(a, b),
             Code::Atan2 => a.atan2(b),
-            Code::Pow => a.powf(b),
+            Code::Pow => pow(a, b),
             Code::Mod => modulo(a, b),
         }
     }

@@ -1,6 +1,6 @@
 //! A formula's value and gradient at one point.
 
-use super::functions::powi;
+use super::functions::{powi, sin_cos};
 use super::op::{Code, Op};
 use super::tape::Tape;
 use glam::DVec3;
@@ -64,55 +64,54 @@ impl Tape {
 }
 
 /// An operation on numbers that carry their gradients.
-#[inline]
+#[inline(always)]
 fn dual(op: &Op, (a, da): (f64, DVec3), (b, db): (f64, DVec3)) -> (f64, DVec3) {
-    let f = op.value(a, b);
-    let df = match op.code {
-        Code::Const | Code::Floor => DVec3::ZERO,
-        Code::AddC => da,
-        Code::MulC => da * op.c,
-        Code::CSub | Code::Neg => -da,
-        Code::Abs => {
-            if a < 0.0 {
-                -da
-            } else {
-                da
-            }
+    match op.code {
+        Code::AddC => (a + op.c, da),
+        Code::MulC => (a * op.c, da * op.c),
+        Code::Neg => (-a, -da),
+        Code::Square => (a * a, da * (2.0 * a)),
+        Code::Add => (a + b, da + db),
+        Code::Sub => (a - b, da - db),
+        Code::Mul => (a * b, da * b + db * a),
+        Code::Min if a < b => (a, da),
+        Code::Max if a > b => (a, da),
+        Code::Sin => {
+            let (sin, cos) = sin_cos(a);
+            (sin, da * cos)
         }
+        Code::Cos => {
+            let (sin, cos) = sin_cos(a);
+            (cos, da * -sin)
+        }
+        _ => {
+            let f = op.value(a, b);
+            (f, gradient(op, f, (a, da), (b, db)))
+        }
+    }
+}
+
+/// The gradient of the result `f` of the operations that [`dual`] leaves.
+fn gradient(op: &Op, f: f64, (a, da): (f64, DVec3), (b, db): (f64, DVec3)) -> DVec3 {
+    match op.code {
+        Code::CSub => -da,
+        Code::Abs if a < 0.0 => -da,
+        Code::Abs => da,
         Code::Sqrt => da * (0.5 / f),
-        Code::Square => da * (2.0 * a),
         Code::Powi => da * (f64::from(op.exponent()) * powi(a, op.exponent() - 1)),
-        Code::Sin => da * super::functions::cos(a),
-        Code::Cos => da * -super::functions::sin(a),
         Code::Tan => da * (1.0 + f * f),
         Code::Asin => da / ((1.0 - a) * (1.0 + a)).sqrt(),
         Code::Acos => da / -((1.0 - a) * (1.0 + a)).sqrt(),
         Code::Atan => da / (1.0 + a * a),
         Code::Exp => da * f,
         Code::Ln => da / a,
-        Code::Add => da + db,
-        Code::Sub => da - db,
-        Code::Mul => da * b + db * a,
         Code::Div => (da - db * f) / b,
-        Code::Min => {
-            if a < b {
-                da
-            } else {
-                db
-            }
-        }
-        Code::Max => {
-            if a > b {
-                da
-            } else {
-                db
-            }
-        }
+        Code::Min | Code::Max => db,
         Code::Atan2 => (da * b - db * a) / (a * a + b * b),
         Code::Pow => power_gradient(f, (a, da), (b, db)),
         Code::Mod => da - db * (a / b).floor(),
-    };
-    (f, df)
+        _ => DVec3::ZERO,
+    }
 }
 
 /// The gradient of `f = aᵇ`; what is constant in `b` needs no logarithm of `a`.

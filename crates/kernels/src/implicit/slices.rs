@@ -1,8 +1,8 @@
 //! A formula's values at many points: the twin of [`Tape::value`], loops over blocks of points.
 
 use super::functions::{
-    EXP_LIMIT, TRIG_LIMIT, cos, exp, is_near, max, min, modulo, near_exp, near_sin_cos, powi, sin,
-    tan,
+    EXP_LIMIT, TRIG_LIMIT, cos, exp, is_near, max, min, modulo, near_exp, near_sin_cos, pow, powi,
+    sin, tan,
 };
 use super::op::{Code, Op};
 use super::tape::Tape;
@@ -196,7 +196,7 @@ fn operate(op: &Op, registers: &mut [Block], len: usize) {
         Code::Max => pairs(out, a, b, len, max),
         Code::Mod => pairs(out, a, b, len, modulo),
         Code::Atan2 => pairs(out, a, b, len, f64::atan2),
-        Code::Pow => pairs(out, a, b, len, f64::powf),
+        Code::Pow => pairs(out, a, b, len, pow),
     }
 }
 

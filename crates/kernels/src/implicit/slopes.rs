@@ -32,6 +32,9 @@ impl Op {
             Code::Max if a.lo > b.hi => *da,
             Code::Max if b.lo > a.hi => *db,
             Code::Min | Code::Max => each(da, db, Interval64::hull),
+            Code::Abs if a.lo >= 0.0 => *da,
+            Code::Abs if a.hi <= 0.0 => da.map(|da| -da),
+            Code::Abs => da.map(|da| da.hull(-da)),
             Code::Atan2 => angle_slopes((a, da), (b, db)),
             Code::Pow => power_slopes(f, (a, da), (b, db)),
             Code::Mod => modulus_slopes((a, da), (b, db)),
@@ -42,22 +45,17 @@ impl Op {
         }
     }
 
-    /// An enclosure of the derivative by the only operand; where the function jumps, of all slopes across.
+    /// An enclosure of the derivative by the only operand, but of sine and cosine; where the function jumps, of all slopes across.
     #[inline]
     fn factor(&self, f: Interval64, a: Interval64) -> Interval64 {
         let one = Interval64::point(1.0);
         match self.code {
             Code::MulC => constant(self.c),
-            Code::Abs if a.lo >= 0.0 => one,
-            Code::Abs if a.hi <= 0.0 => -one,
-            Code::Abs => Interval64::new(-1.0, 1.0),
             Code::Sqrt => Interval64::point(0.5) / f,
             Code::Floor if f.lo == f.hi => Interval64::ZERO,
             Code::Floor => Interval64::new(0.0, f64::INFINITY),
             Code::Square => Interval64::point(2.0) * a,
             Code::Powi => power_factor(a, self.exponent()),
-            Code::Sin => a.cos(),
-            Code::Cos => -a.sin(),
             Code::Tan if f == Interval64::WHOLE => f,
             Code::Tan => one + f.square(),
             Code::Asin => one / complement(a),

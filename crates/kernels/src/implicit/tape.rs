@@ -47,9 +47,9 @@ impl Tape {
                 registers += 1;
                 registers - 1
             });
-            let mut placed = Op { out, ..*op };
             let ended =
                 |operand: u32| operand as usize >= INPUTS && last_use[operand as usize] == i as u32;
+            let mut placed = Op { out, a: 0, ..*op };
             if op.code.arity() > 0 {
                 placed.a = place[op.a as usize];
                 free.extend(ended(op.a).then_some(placed.a));
@@ -57,6 +57,8 @@ impl Tape {
             if op.code.arity() > 1 {
                 placed.b = place[op.b as usize];
                 free.extend((op.b != op.a && ended(op.b)).then_some(placed.b));
+            } else if op.code != Code::Powi {
+                placed.b = 0;
             }
             place[INPUTS + i] = out;
             ops.push(placed);
