@@ -8,7 +8,7 @@ use fearless_simd::dispatch;
 use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec3};
 
 /// What an instance is made of.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// The mesh of this number, which many instances may share.
     Mesh(usize),
@@ -17,7 +17,7 @@ pub enum Shape {
 }
 
 /// A shape and where it stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Placed {
     /// What stands there.
     pub shape: Shape,

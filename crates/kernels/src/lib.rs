@@ -14,6 +14,7 @@
 //! | cylinder | [`intersect_cylinder`] | Cychosz & Waggenspack 1994 | - |
 //! | cone, truncated cone | [`intersect_cone`] | Cychosz & Waggenspack 1994 | - |
 //! | torus | [`intersect_torus`] | Hanrahan 1989 | - |
+//! | implicit, `f(x, y, z) = 0` | [`intersect_implicit`] | Mitchell 1990; Hansen & Walster 2004; Lane & Riesenfeld 1981 | - |
 //! | triangle | [`intersect_triangle`] | Möller & Trumbore 1997 | - |
 //! | triangle, watertight | [`intersect_triangle_watertight`] | Woop, Benthin & Wald 2013 | in [`MeshBvh`]: `simd/triangle_leaf.rs`, one ray and sixteen triangles; `simd/packet_leaf.rs`, sixteen rays and one |
 //! | bounding box | [`intersect_aabb`] | Kay & Kajiya 1986, Ize 2013 | in [`MeshBvh`]: `simd/box_ray.rs`, sixteen boxes at once |
@@ -73,7 +74,6 @@ mod cylinder;
 mod disk;
 mod hit;
 mod implicit;
-
 mod instance_visit;
 mod instance_walk;
 mod instances;
@@ -101,7 +101,10 @@ pub use cylinder::{Cylinder, intersect_cylinder};
 pub use disk::{Disk, intersect_disk};
 pub use glam;
 pub use hit::{Hit, SurfaceHit, SurfacePoint, TriangleHit};
-pub use implicit::{Formula, FormulaError, Interval64, Scratch, Tape};
+pub use implicit::{
+    Formula, FormulaError, ImplicitError, ImplicitSurface, Interval64, Scratch, Tape,
+    intersect_implicit,
+};
 pub use instances::{Filter, InstanceBvh, Placed, Shape};
 pub use mesh_bvh::{BuildQuality, MeshBvh, MeshHit, Walk};
 pub use offset::{gamma, offset_origin};

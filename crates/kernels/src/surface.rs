@@ -1,14 +1,15 @@
 //! The closed set of analytic surfaces, and the one `match` per question that can be asked of them.
 
 use crate::{
-    Aabb, Cone, Cuboid, Cylinder, Disk, Plane, Ray, Rectangle, Sphere, SurfaceHit, SurfacePoint,
-    Torus, intersect_cone, intersect_cuboid, intersect_cylinder, intersect_disk, intersect_plane,
-    intersect_rectangle, intersect_sphere, intersect_torus,
+    Aabb, Cone, Cuboid, Cylinder, Disk, ImplicitSurface, Plane, Ray, Rectangle, Sphere, SurfaceHit,
+    SurfacePoint, Torus, intersect_cone, intersect_cuboid, intersect_cylinder, intersect_disk,
+    intersect_implicit, intersect_plane, intersect_rectangle, intersect_sphere, intersect_torus,
 };
 use glam::Vec3;
+use std::sync::Arc;
 
 /// A surface given by a formula.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Surface {
     /// All points at one distance from a centre.
     Sphere(Sphere),
@@ -26,6 +27,8 @@ pub enum Surface {
     Cone(Cone),
     /// Ring with a circular section.
     Torus(Torus),
+    /// All points at which a function is zero.
+    Implicit(Arc<ImplicitSurface>),
 }
 
 impl Surface {
@@ -40,6 +43,7 @@ impl Surface {
             Self::Cylinder(s) => Some(s.bounds()),
             Self::Cone(s) => Some(s.bounds()),
             Self::Torus(s) => Some(s.bounds()),
+            Self::Implicit(s) => Some(s.bounds()),
         }
     }
 
@@ -57,17 +61,21 @@ impl Surface {
             Self::Cylinder(s) => s.point_at(part, p),
             Self::Cone(s) => s.point_at(part, p),
             Self::Torus(s) => s.point_at(p),
+            Self::Implicit(s) => s.point_at(p),
         }
     }
 
     /// `p` and `n` of [`Surface::point_at`], cheaper where the texture coordinates take angles.
     #[inline]
     pub fn normal_at(&self, part: u32, p: Vec3) -> (Vec3, Vec3) {
-        if let Self::Sphere(sphere) = self {
-            return sphere.normal_at(p);
+        match self {
+            Self::Sphere(s) => s.normal_at(p),
+            Self::Implicit(s) => s.normal_at(p),
+            _ => {
+                let point = self.point_at(part, p);
+                (point.p, point.n)
+            }
         }
-        let point = self.point_at(part, p);
-        (point.p, point.n)
     }
 }
 
@@ -85,5 +93,6 @@ pub fn intersect_surface(ray: &Ray, surface: &Surface) -> Option<SurfaceHit> {
         Surface::Cylinder(s) => intersect_cylinder(ray, s),
         Surface::Cone(s) => intersect_cone(ray, s),
         Surface::Torus(s) => intersect_torus(ray, s).map(whole),
+        Surface::Implicit(s) => intersect_implicit(ray, s).map(whole),
     }
 }

@@ -29,7 +29,7 @@ fn signed_distance(surface: &Surface, p: DVec3) -> f64 {
             .max(-z)
             .max(z - height)
     };
-    match *surface {
+    match surface {
         Surface::Sphere(s) => p.distance(s.center.as_dvec3()) - f64::from(s.radius),
         Surface::Cuboid(s) => (s.min.as_dvec3() - p)
             .max(p - s.max.as_dvec3())
@@ -46,6 +46,7 @@ fn signed_distance(surface: &Surface, p: DVec3) -> f64 {
         Surface::Plane(_) | Surface::Disk(_) | Surface::Rectangle(_) => {
             unreachable!("open surfaces have no inside")
         }
+        Surface::Implicit(_) => unreachable!("implicit surfaces have tests of their own"),
     }
 }
 

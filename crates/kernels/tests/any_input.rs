@@ -62,8 +62,8 @@ fn surfaces() -> [Surface; 9] {
     ]
 }
 
-fn hit(origin: Vec3, dir: Vec3, surface: Surface) -> Option<(f32, u32)> {
-    intersect_surface(&Ray::new(origin, dir), &surface).map(|SurfaceHit { t, part }| (t, part))
+fn hit(origin: Vec3, dir: Vec3, surface: &Surface) -> Option<(f32, u32)> {
+    intersect_surface(&Ray::new(origin, dir), surface).map(|SurfaceHit { t, part }| (t, part))
 }
 
 #[test]
@@ -128,8 +128,8 @@ proptest! {
         let dir = Vec3::from_array(p) - origin;
         let factor = 2.0_f32.powi(exponent);
         for surface in surfaces() {
-            let one = hit(origin, dir, surface);
-            let other = hit(origin, factor * dir, surface).map(|(t, part)| (t * factor, part));
+            let one = hit(origin, dir, &surface);
+            let other = hit(origin, factor * dir, &surface).map(|(t, part)| (t * factor, part));
             prop_assert_eq!(one, other, "{:?}", surface);
         }
     }

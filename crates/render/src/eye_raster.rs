@@ -120,7 +120,7 @@ impl<'a> EyeRaster<'a> {
             };
             Some(Solid {
                 instance: i as u32,
-                list: SurfaceList::new(vec![(i as u32, scene.surfaces[id.index()])]),
+                list: SurfaceList::new(vec![(i as u32, scene.surfaces[id.index()].clone())]),
                 to_object: bvh.to_object(InstanceId(i as u32)).copied(),
                 cutoff: cutoff(i),
                 rect: covered(&view, bvh, i, size),

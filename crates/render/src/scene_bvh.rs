@@ -161,9 +161,9 @@ impl<'a> SceneBvh<'a> {
 
 /// The whole scene as a list, if it is a handful of untransformed surfaces without holes.
 fn handful(placed: &[Placed]) -> Option<SurfaceList> {
-    let plain = |(k, placed): (usize, &Placed)| match placed.shape {
+    let plain = |(k, placed): (usize, &Placed)| match &placed.shape {
         Shape::Surface(surface) if placed.to_object.is_none() && !placed.filtered => {
-            Some((k as u32, surface))
+            Some((k as u32, surface.clone()))
         }
         _ => None,
     };
@@ -183,7 +183,7 @@ fn place(scene: &Scene, instance: &Instance) -> Placed {
     Placed {
         shape: match instance.geometry {
             Geometry::Mesh(id) => Shape::Mesh(id.index()),
-            Geometry::Surface(id) => Shape::Surface(scene.surfaces[id.index()]),
+            Geometry::Surface(id) => Shape::Surface(scene.surfaces[id.index()].clone()),
         },
         to_object: (instance.transform != Affine3A::IDENTITY).then(|| instance.transform.inverse()),
         // The holes of masked materials, and what is not seen from behind.

@@ -118,7 +118,7 @@ fn normal_maps_lean_to_the_right_side() {
         v: Vec3::Y,
     });
     for (texel, lean) in [(right, Vec3::X), (up, Vec3::Y)] {
-        for surface in [Some(rectangle), None] {
+        for surface in [Some(rectangle.clone()), None] {
             let mut scene = Scene::default();
             scene.textures.push(image(1, vec![texel], Encoding::Linear));
             let material = Material {

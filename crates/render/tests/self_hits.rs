@@ -129,7 +129,7 @@ fn surfaces_do_not_hit_themselves() {
             random_transform(&mut random, size)
         };
         let mut scene = single(Geometry::Surface(SurfaceId(0)), transform);
-        scene.surfaces.push(surface);
+        scene.surfaces.push(surface.clone());
         let (h, b) = count(
             &scene,
             &mut random,

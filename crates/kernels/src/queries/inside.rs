@@ -20,6 +20,7 @@ pub(super) fn encloses(surface: &Surface) -> bool {
 /// cylinder    0 ≤ z ≤ h and |f × n|² ≤ r²             (f = p − a, n the unit axis, z = f·n)
 /// cone        0 ≤ z ≤ h and |f × n| ≤ rₐ + (r_b − rₐ) z/h
 /// torus       (|f × n| − R)² + z² ≤ r²
+/// implicit    f(p) < 0 within the bounds                (the surface itself is outside)
 /// ```
 /// Nothing is inside a disk or a rectangle, and no point that is not finite inside anything.
 ///
@@ -50,6 +51,7 @@ pub fn surface_contains(surface: &Surface, p: DVec3) -> bool {
             is_inside_cone(p - a.as_dvec3(), axis, ra, rb)
         }
         Surface::Torus(s) => is_inside_torus(s, p),
+        Surface::Implicit(s) => s.contains(p),
     }
 }
 

@@ -3,19 +3,19 @@
 use super::inside::{encloses, surface_contains};
 use super::{Crossing, Way};
 use crate::{Ray, Surface, SurfaceHit, intersect_surface};
-use arrayvec::ArrayVec;
 
-/// No ray meets any surface more often: the torus.
+/// No ray meets any surface in closed form more often: the torus.
 const MOST: usize = 4;
 
 /// The crossings of a ray with a surface.
 ///
 /// A hit on a closed surface is a crossing if the ray is inside before it and outside after it, or the other way round. What is
-/// between two hits is asked of the point in the middle; behind the last hit is the outside. So enter and leave take turns, and a
-/// ray that only touches the surface does not cross it.
-pub(super) fn surface_crossings(ray: &Ray, surface: &Surface) -> ArrayVec<Crossing, MOST> {
+/// between two hits is asked of the point in the middle; behind the last hit is the outside, or, where bounds cut an implicit
+/// surface, what is between there and the bounds. So enter and leave take turns, and a ray that only touches the surface does not
+/// cross it.
+pub(super) fn surface_crossings(ray: &Ray, surface: &Surface) -> Vec<Crossing> {
     let hits = all_hits(ray, surface);
-    let mut crossings = ArrayVec::new();
+    let mut crossings = Vec::new();
     let mut push = |hit: SurfaceHit, way| {
         if hit.t <= ray.t.max {
             crossings.push(crossing(hit, way));
@@ -31,13 +31,19 @@ pub(super) fn surface_crossings(ray: &Ray, surface: &Surface) -> ArrayVec<Crossi
         let t = 0.5 * (f64::from(from) + f64::from(to));
         ray.origin.as_dvec3() + t * ray.dir.as_dvec3()
     };
+    let (start, end) = match surface {
+        Surface::Implicit(s) => {
+            let [enter, leave] = s.span(ray);
+            (enter.max(ray.t.min), Some(leave))
+        }
+        _ => (ray.t.min, None),
+    };
     let mut inside = hits
         .first()
-        .is_some_and(|hit| surface_contains(surface, middle(ray.t.min, hit.t)));
+        .is_some_and(|hit| surface_contains(surface, middle(start, hit.t)));
     for (i, hit) in hits.iter().enumerate() {
-        let after = hits
-            .get(i + 1)
-            .is_some_and(|next| surface_contains(surface, middle(hit.t, next.t)));
+        let next = hits.get(i + 1).map(|next| next.t).or(end);
+        let after = next.is_some_and(|next| surface_contains(surface, middle(hit.t, next)));
         if after != inside {
             push(*hit, if after { Way::Enter } else { Way::Leave });
         }
@@ -47,9 +53,12 @@ pub(super) fn surface_crossings(ray: &Ray, surface: &Surface) -> ArrayVec<Crossi
 }
 
 /// Every hit in front, beyond the ray's end as well: what is behind the last one must be known.
-fn all_hits(ray: &Ray, surface: &Surface) -> ArrayVec<SurfaceHit, MOST> {
+fn all_hits(ray: &Ray, surface: &Surface) -> Vec<SurfaceHit> {
     let mut rest = *ray;
     rest.t.max = f32::INFINITY;
+    if let Surface::Implicit(surface) = surface {
+        return surface.all_hits(&rest);
+    }
     let next = || {
         let hit = intersect_surface(&rest, surface)?;
         rest.t.min = hit.t;

@@ -115,13 +115,13 @@ fn solid(
     if casts == Casts::Nothing {
         return None;
     }
-    let surface = scene.surfaces[id.index()];
+    let surface = &scene.surfaces[id.index()];
     Some(Solid {
         instance: i as u32,
         first_id: first_ids[i],
-        list: SurfaceList::new(vec![(i as u32, surface)]),
+        list: SurfaceList::new(vec![(i as u32, surface.clone())]),
         plane: match surface {
-            Surface::Plane(plane) => Some(plane),
+            Surface::Plane(plane) => Some(*plane),
             _ => None,
         },
         to_object: bvh.to_object(InstanceId(i as u32)).copied(),
