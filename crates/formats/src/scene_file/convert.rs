@@ -2,11 +2,11 @@
 
 use super::document::{CameraTable, DirectionalLightTable, PointLightTable, SpotLightTable};
 use super::include::Part;
-use super::shapes::Shape;
+use super::shapes::{Common, Shape};
 use super::source::Fault;
 use crate::{FileError, Report};
 use std::collections::{BTreeMap, HashMap};
-use umbriel_render::kernels::glam::{Affine3A, Vec3};
+use umbriel_render::kernels::{Surface, glam::{Affine3A, Vec3}};
 use umbriel_render::{
     Camera, DirectionalLight, Element, Environment, Geometry, Instance, Light, MaterialId,
     PointLight, Projection, Scene, SceneError, SpotLight, SurfaceId, TextureId,
@@ -179,6 +179,7 @@ impl Builder<'_> {
             self.add_shapes(part, "cylinder", &document.cylinder)?;
             self.add_shapes(part, "cone", &document.cone)?;
             self.add_shapes(part, "torus", &document.torus)?;
+            self.add_implicits(part)?;
         }
         Ok(())
     }
@@ -191,26 +192,35 @@ impl Builder<'_> {
     ) -> Result<(), FileError> {
         for (i, shape) in shapes.iter().enumerate() {
             let spot = Spot::new(part, table, i);
-            let common = shape.common();
-            let material = self.material_id(spot, common.material)?;
-            let id = SurfaceId(self.scene.surfaces.len() as u32);
-            self.add_origin(Element::Surface(id.index()), spot);
-            self.add_origin(Element::Instance(self.scene.instances.len()), spot);
-            self.scene.surfaces.push(shape.surface());
-            self.scene.instances.push(Instance {
-                name: common
-                    .name
-                    .clone()
-                    .unwrap_or_else(|| format!("{table} {i}")),
-                geometry: Geometry::Surface(id),
-                transform: common
-                    .transform
-                    .as_ref()
-                    .map_or(Affine3A::IDENTITY, |t| t.to_affine()),
-                material,
-                inside_out: common.inside_out.unwrap_or(false),
-            });
+            self.add_surface(spot, shape.common(), shape.surface())?;
         }
+        Ok(())
+    }
+
+    /// Adds a surface and the instance that it stands for.
+    pub(super) fn add_surface(
+        &mut self,
+        spot: Spot,
+        common: Common<'_>,
+        surface: Surface,
+    ) -> Result<(), FileError> {
+        let material = self.material_id(spot, common.material)?;
+        let id = SurfaceId(self.scene.surfaces.len() as u32);
+        self.add_origin(Element::Surface(id.index()), spot);
+        self.add_origin(Element::Instance(self.scene.instances.len()), spot);
+        self.scene.surfaces.push(surface);
+        let number = spot.index.unwrap_or(0);
+        let transform = common.transform.as_ref();
+        self.scene.instances.push(Instance {
+            name: common
+                .name
+                .clone()
+                .unwrap_or_else(|| format!("{} {number}", spot.table)),
+            geometry: Geometry::Surface(id),
+            transform: transform.map_or(Affine3A::IDENTITY, |t| t.to_affine()),
+            material,
+            inside_out: common.inside_out.unwrap_or(false),
+        });
         Ok(())
     }
 

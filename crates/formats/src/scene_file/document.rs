@@ -1,5 +1,6 @@
 //! What may stand in a scene file. The doc comments become the descriptions in the JSON Schema.
 
+use super::implicit::ImplicitTable;
 use super::shadow_map::ShadowMapTable;
 use super::shapes::TransformTable;
 use super::shapes::{
@@ -52,6 +53,8 @@ pub(super) struct Document {
     pub cone: Vec<ConeTable>,
     /// Rings.
     pub torus: Vec<TorusTable>,
+    /// Surfaces given by a formula.
+    pub implicit: Vec<ImplicitTable>,
     /// Triangle meshes from files.
     pub mesh: Vec<MeshTable>,
     /// Whole scenes from files, with their materials, lights and cameras.

@@ -3,6 +3,7 @@
 mod convert;
 mod diagnose;
 mod document;
+mod implicit;
 mod include;
 mod materials;
 mod merge;
