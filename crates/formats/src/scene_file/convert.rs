@@ -6,7 +6,10 @@ use super::shapes::{Common, Shape};
 use super::source::Fault;
 use crate::{FileError, Report};
 use std::collections::{BTreeMap, HashMap};
-use umbriel_render::kernels::{Surface, glam::{Affine3A, Vec3}};
+use umbriel_render::kernels::{
+    Surface,
+    glam::{Affine3A, Vec3},
+};
 use umbriel_render::{
     Camera, DirectionalLight, Element, Environment, Geometry, Instance, Light, MaterialId,
     PointLight, Projection, Scene, SceneError, SpotLight, SurfaceId, TextureId,
@@ -16,8 +19,8 @@ use umbriel_render::{
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Spot {
     pub part: usize,
-    table: &'static str,
-    index: Option<usize>,
+    pub table: &'static str,
+    pub index: Option<usize>,
 }
 
 impl Spot {

@@ -10,7 +10,9 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
-use umbriel_render::kernels::{Aabb, Formula, FormulaError, ImplicitError, ImplicitSurface, Surface};
+use umbriel_render::kernels::{
+    Aabb, Formula, FormulaError, ImplicitError, ImplicitSurface, Surface,
+};
 
 /// All points where a formula of x, y and z is 0; inside is where it is less.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -79,7 +81,7 @@ impl Builder<'_> {
         });
         ImplicitSurface::new(formula, bounds).map_err(|error| {
             let field = match error {
-                ImplicitError::Unbounded | ImplicitError::Bounds => "bounds",
+                ImplicitError::NeedsBounds | ImplicitError::BadBounds => "bounds",
                 _ => "formula",
             };
             self.fault(spot, &[field, "formula"], error.to_string())
@@ -96,8 +98,10 @@ impl Builder<'_> {
                 source.error(Fault::new(at..at + 1, error.message.clone()))
             }
             None => {
-                let (line, column) = error.line_column(&table.formula);
-                let message = format!("line {line}, column {column} of the formula: {}", error.message);
+                let message = format!(
+                    "line {}, column {} of the formula: {}",
+                    error.line, error.column, error.message
+                );
                 self.fault(spot, &["formula"], message)
             }
         }
@@ -111,6 +115,8 @@ fn text_of(source: &Source, value: &Range<usize>, text: &str) -> Option<usize> {
     // A line break after three quotes is not part of the string.
     let breaks = written[quotes..].len() - written[quotes..].trim_start_matches(['\r', '\n']).len();
     [quotes, quotes + breaks].into_iter().find_map(|skip| {
-        written[skip..].starts_with(text).then_some(value.start + skip)
+        written[skip..]
+            .starts_with(text)
+            .then_some(value.start + skip)
     })
 }
