@@ -79,7 +79,7 @@ fn every_key_is_understood() {
             scene.instances.len(),
             scene.lights.len()
         ),
-        (8, 8, 4)
+        (9, 9, 4)
     );
     assert_eq!(scene.environment.zenith.to_array(), [0.1, 0.2, 0.3]);
     assert_eq!(scene.environment.nadir.to_array(), [0.5; 3]);

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use umbriel_formats::{
     Loaded, Report,
-    render::{Camera, Sampling, Stats, Tonemap},
+    render::{Camera, Sampling, Stats, Tonemap, kernels::Surface},
 };
 
 /// Seconds that each phase took.
@@ -111,6 +111,16 @@ impl Summary<'_> {
         self.stats.rays + self.stats.shadow_rays
     }
 
+    /// Rays that used up what the search for an implicit surface may take.
+    fn exhausted(&self) -> u64 {
+        let surfaces = self.loaded.scene.surfaces.iter();
+        let searches = surfaces.map(|surface| match surface {
+            Surface::Implicit(implicit) => implicit.exhausted(),
+            _ => 0,
+        });
+        searches.sum()
+    }
+
     fn output(&self) -> String {
         let path = &self.args.output;
         if path == Path::new("-") {
@@ -133,6 +143,13 @@ impl Summary<'_> {
             say(&format!(
                 "warning: {} samples were no finite numbers and count as black",
                 self.stats.bad_samples
+            ));
+        }
+        if self.exhausted() > 0 {
+            say(&format!(
+                "warning: {} searches for implicit surfaces ended before all was decided, with the nearest place that was left; \
+                 tighter `bounds` help",
+                self.exhausted()
             ));
         }
         if self.plan.exposure == Exposure::Auto {
@@ -214,6 +231,7 @@ impl Summary<'_> {
             "rays": self.stats.rays,
             "shadow_rays": self.stats.shadow_rays,
             "bad_samples": self.stats.bad_samples,
+            "exhausted_searches": self.exhausted(),
             "unfinished_pixels": self.unfinished(),
             "triangles": contents.triangles,
             "ignored": self.loaded.report.ignored,
