@@ -4,7 +4,7 @@ use crate::bvh::{Child, Order, Stack, Visit};
 use crate::instance_visit::{Seekers, Shadows};
 use crate::instances::{Filter, Inner, InstanceBvh, Scratch};
 use crate::mesh_walk::{Party, divide, lanes_of};
-use crate::simd::{BoxRay, PacketBoxes, RayLanes, Rays16};
+use crate::simd::{PacketBoxes, RayLanes, Rays16};
 use crate::{Hit, Ray, Walk};
 use fearless_simd::{Simd, f32x16, prelude::*};
 
@@ -45,9 +45,8 @@ impl InstanceBvh {
                     self.closest_packet(simd, &boxes, &lanes, like, &mut seekers, scratch);
                 }
                 Party::Alone(i) => {
-                    let Scratch { stacks, inner } = scratch;
-                    let (box_ray, stack) = (lanes.box_ray(i), &mut stacks.single);
-                    self.closest_alone(simd, &box_ray, i, Child::ROOT, &mut seekers, stack, inner);
+                    let (stack, inner) = scratch.single();
+                    self.closest_alone(simd, &lanes, i, Child::ROOT, &mut seekers, stack, inner);
                 }
             },
         );
@@ -81,8 +80,8 @@ impl InstanceBvh {
                     }
                     Visit::Alone(child) => {
                         for i in lanes_of(here) {
-                            let (box_ray, stack) = (lanes.box_ray(i), &mut stacks.single);
-                            self.closest_alone(simd, &box_ray, i, child, seekers, stack, inner);
+                            let stack = &mut stacks.single;
+                            self.closest_alone(simd, lanes, i, child, seekers, stack, inner);
                         }
                     }
                 }
@@ -97,7 +96,7 @@ impl InstanceBvh {
     fn closest_alone<S: Simd>(
         &self,
         simd: S,
-        box_ray: &BoxRay,
+        lanes: &RayLanes,
         i: usize,
         from: Child,
         seekers: &mut Seekers,
@@ -106,7 +105,7 @@ impl InstanceBvh {
     ) {
         self.tree.closest(
             simd,
-            box_ray,
+            &lanes.box_ray(i),
             &mut { seekers.t_max[i] },
             from,
             stack,
@@ -130,7 +129,6 @@ impl InstanceBvh {
         occluded: &mut [bool],
         filter: &Filter,
     ) {
-        occluded.fill(false);
         if rays.is_empty() {
             return;
         }
@@ -155,14 +153,13 @@ impl InstanceBvh {
                     self.any_packet(simd, &boxes, &lanes, like, &mut shadows, scratch);
                 }
                 Party::Alone(i) => {
-                    let Scratch { stacks, inner } = scratch;
-                    let (box_ray, stack) = (lanes.box_ray(i), &mut stacks.single);
-                    self.any_alone(simd, &box_ray, i, Child::ROOT, &mut shadows, stack, inner);
+                    let (stack, inner) = scratch.single();
+                    self.any_alone(simd, &lanes, i, Child::ROOT, &mut shadows, stack, inner);
                 }
             },
         );
-        for i in lanes_of(shadows.met) {
-            occluded[i] = true;
+        for (i, occluded) in occluded.iter_mut().enumerate() {
+            *occluded = shadows.met >> i & 1 == 1;
         }
     }
 
@@ -194,8 +191,8 @@ impl InstanceBvh {
                     }
                     Visit::Alone(child) => {
                         for i in lanes_of(here) {
-                            let (box_ray, stack) = (lanes.box_ray(i), &mut stacks.single);
-                            self.any_alone(simd, &box_ray, i, child, shadows, stack, inner);
+                            let stack = &mut stacks.single;
+                            self.any_alone(simd, lanes, i, child, shadows, stack, inner);
                         }
                     }
                 }
@@ -210,7 +207,7 @@ impl InstanceBvh {
     fn any_alone<S: Simd>(
         &self,
         simd: S,
-        box_ray: &BoxRay,
+        lanes: &RayLanes,
         i: usize,
         from: Child,
         shadows: &mut Shadows,
@@ -219,7 +216,7 @@ impl InstanceBvh {
     ) {
         self.tree.any(
             simd,
-            box_ray,
+            &lanes.box_ray(i),
             shadows.rays[i].t.max,
             from,
             stack,

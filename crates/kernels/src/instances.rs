@@ -1,7 +1,7 @@
 //! Meshes and surfaces, placed by any affine transforms: one tree over all that stands in a scene.
 
 use crate::build::{Leaves, build_binned};
-use crate::bvh::{Stacks, Tree};
+use crate::bvh::{Stack, Stacks, Tree};
 use crate::simd::RAYS;
 use crate::{Aabb, Hit, MeshBvh, MeshHit, Ray, Surface, VectorUnit, Walk};
 use fearless_simd::dispatch;
@@ -113,6 +113,14 @@ impl Default for Scratch {
                 occluded: [false; RAYS],
             },
         }
+    }
+}
+
+impl Scratch {
+    /// For one ray.
+    #[inline(always)]
+    pub(crate) fn single(&mut self) -> (&mut Stack, &mut Inner) {
+        (&mut self.stacks.single, &mut self.inner)
     }
 }
 

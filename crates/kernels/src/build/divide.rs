@@ -126,6 +126,16 @@ impl<'t> Builder<'t> {
         })
     }
 
+    /// Whether the boxes of the two sides have much in common.
+    fn overlaps_much(&self, work: &Work, between: &Split) -> bool {
+        let Rule::Between(_, _, [left, right]) = &between.rule else {
+            return true;
+        };
+        let common = left.common(*right);
+        let least = (ROOT_OVERLAP * self.area).max(NODE_OVERLAP * work.extents.bounds.half_area());
+        !common.is_empty() && common.half_area() > least
+    }
+
     /// A cut that is cheaper than `between`, looked for where the boxes of that overlap much.
     fn find_through(
         &self,
@@ -133,21 +143,10 @@ impl<'t> Builder<'t> {
         between: Option<&Split<'t>>,
         triangle: &'t GetTriangle<'t>,
     ) -> Option<Split<'t>> {
-        let mut limit = f32::INFINITY;
-        if let Some(Split {
-            rule: Rule::Between(_, _, [left, right]),
-            cost,
-            ..
-        }) = between
-        {
-            limit = *cost;
-            let least =
-                (ROOT_OVERLAP * self.area).max(NODE_OVERLAP * work.extents.bounds.half_area());
-            let common = left.common(*right);
-            if common.is_empty() || !(common.half_area() > least) {
-                return None;
-            }
+        if between.is_some_and(|between| !self.overlaps_much(work, between)) {
+            return None;
         }
+        let limit = between.map_or(f32::INFINITY, |between| between.cost);
         let room = work.from.len();
         let grid = SpatialGrid::new(work.extents.bounds, work.len);
         let fill = |bins: &mut SpatialBins, refs: &[Reference]| bins.fill(&grid, refs, triangle);

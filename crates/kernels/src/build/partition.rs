@@ -10,14 +10,7 @@ pub(super) fn halve(work: Work) -> [Work; 2] {
     let spread = work.extents.spread;
     let extent = (spread.max - spread.min).truncate();
     let axis = extent.max_position();
-    let Work {
-        len,
-        from,
-        to,
-        depth,
-        ..
-    } = work;
-    let refs = &mut from[..len];
+    let refs = &mut work.from[..work.len];
     if extent[axis] != 0.0 {
         refs.select_nth_unstable_by(middle, |a, b| {
             let center = |r: &Reference| r.center2()[axis];
@@ -27,23 +20,17 @@ pub(super) fn halve(work: Work) -> [Work; 2] {
         });
     }
     let extents = [&refs[..middle], &refs[middle..]].map(Extents::of);
-    sides([from, to], middle, [middle, len - middle], extents, depth)
+    let lens = [middle, work.len - middle];
+    sides([work.from, work.to], middle, lens, extents, work.depth)
 }
 
 /// Moves the references of both sides, in their order, to the other buffer. The sides share the room that is left in
 /// the ratio of their numbers.
 pub(super) fn partition<'a>(work: Work<'a>, split: &Split) -> [Work<'a>; 2] {
-    let Work {
-        len,
-        from,
-        to,
-        depth,
-        ..
-    } = work;
     let [left, right] = split.lens;
-    let spare = from.len() - left - right;
+    let spare = work.from.len() - left - right;
     let room = left + (spare as u64 * left as u64 / (left + right) as u64) as usize;
-    let refs = &from[..len];
+    let (refs, to) = (&work.from[..work.len], &mut *work.to);
     let extents = match &split.rule {
         Rule::Between(grid, plane, _) if split.chunks.is_empty() => {
             deal(refs, to, room, plane.side(grid));
@@ -61,7 +48,7 @@ pub(super) fn partition<'a>(work: Work<'a>, split: &Split) -> [Work<'a>; 2] {
             }
         }),
     };
-    sides([to, from], room, split.lens, extents, depth)
+    sides([work.to, work.from], room, split.lens, extents, work.depth)
 }
 
 /// What both sides are to be built from; the right one begins at `room`.

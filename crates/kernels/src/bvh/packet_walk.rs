@@ -57,18 +57,10 @@ impl Tree {
         let stack = &mut *stack.0;
         let mut furthest = boxes.greatest(t_max, members);
         let mut top = push(boxes, order, (0, &self.nodes[0]), furthest, stack, 0);
-        while top > 0 && members != 0 {
-            top -= 1;
-            let (key, slot) = stack[top % PLACES];
-            if key > furthest {
-                continue;
-            }
-            let (node, place) = (&self.nodes[slot as usize / 16], slot as usize % 16);
-            let here = boxes.meet_box(node, place, t_max) & members;
-            if here == 0 {
-                continue;
-            }
-            let child = node.children[place];
+        while members != 0
+            && let Some((child, here)) =
+                self.next_met(boxes, (members, t_max, furthest), stack, &mut top)
+        {
             let next = if child.is_leaf() {
                 Visit::Leaf(child.items())
             } else if here.count_ones() <= FEW {
@@ -83,6 +75,30 @@ impl Tree {
             t_max = ends;
             furthest = boxes.greatest(t_max, members);
         }
+    }
+
+    /// Takes the uppermost box from the stack that some of the members meet before their ends: what is in it, and those members.
+    #[inline(always)]
+    fn next_met<S: Simd>(
+        &self,
+        boxes: &PacketBoxes<S>,
+        (members, t_max, furthest): (u32, f32x16<S>, f32),
+        stack: &Entries,
+        top: &mut usize,
+    ) -> Option<(Child, u32)> {
+        while *top > 0 {
+            *top -= 1;
+            let (key, slot) = stack[*top % PLACES];
+            if key > furthest {
+                continue;
+            }
+            let (node, place) = (&self.nodes[slot as usize / 16], slot as usize % 16);
+            let here = boxes.meet_box(node, place, t_max) & members;
+            if here != 0 {
+                return Some((node.children[place], here));
+            }
+        }
+        None
     }
 }
 

@@ -4,7 +4,7 @@ use super::Tree;
 use super::node::{Child, Node, WIDTH};
 use crate::build::SAH_DEPTH;
 use crate::simd::BoxRay;
-use fearless_simd::{Simd, f32x16, mask32x16, prelude::*, u32x16};
+use fearless_simd::{Level, Simd, f32x16, mask32x16, prelude::*, u32x16};
 use std::ops::Range;
 
 /// Places on a stack. A level of the tree leaves at most fifteen of its sixteen children there, the last one all of them.
@@ -139,8 +139,8 @@ impl Tree {
             let children = u32x16::simd_from(simd, node.children.map(|child| child.0));
             let is_leaf = children.simd_ge(u32x16::splat(simd, Child::LEAF));
             let (inner, leaves) = (met & !is_leaf, met & is_leaf);
-            waiting += append(&mut *queue.leaves, waiting, children, leaves);
-            open.end += append(&mut queue.nodes, open.end, children, inner);
+            waiting += append(simd, &mut *queue.leaves, waiting, children, leaves);
+            open.end += append(simd, &mut queue.nodes, open.end, children, inner);
         }
         waiting
     }
@@ -224,8 +224,34 @@ impl Queue {
 
 /// Writes the children of `mask` from `len` on; gives their number.
 #[inline(always)]
-fn append<S: Simd>(list: &mut [u32], len: usize, children: u32x16<S>, mask: mask32x16<S>) -> usize {
-    let children: [u32; WIDTH] = children.compress(mask).into();
-    list[len..len + WIDTH].copy_from_slice(&children);
-    mask.to_bitmask().count_ones() as usize
+fn append<S: Simd>(
+    simd: S,
+    list: &mut [u32],
+    len: usize,
+    children: u32x16<S>,
+    mask: mask32x16<S>,
+) -> usize {
+    if compresses(simd.level()) {
+        let children: [u32; WIDTH] = children.compress(mask).into();
+        list[len..len + WIDTH].copy_from_slice(&children);
+        return mask.to_bitmask().count_ones() as usize;
+    }
+    let children: [u32; WIDTH] = children.into();
+    let mut left = mask.to_bitmask() as u32;
+    let count = left.count_ones() as usize;
+    for place in &mut list[len..len + count] {
+        *place = children[left.trailing_zeros() as usize % WIDTH];
+        left &= left - 1;
+    }
+    count
+}
+
+/// Whether the vector unit moves chosen lanes together faster than a loop over them: with SSE4.2 the loop tells any hit in 0.86 of the time,
+/// with SSE2 in 0.45, with AVX2 in 1.04.
+#[inline(always)]
+fn compresses(level: Level) -> bool {
+    #[cfg(target_arch = "x86_64")]
+    return level.as_avx2().is_some();
+    #[cfg(not(target_arch = "x86_64"))]
+    return false;
 }

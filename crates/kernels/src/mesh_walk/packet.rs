@@ -1,7 +1,7 @@
 //! The rays of a batch that keep together walk a mesh as one.
 
 use super::{Batch, improve, lanes_of};
-use crate::bvh::{Order, Stacks, Visit};
+use crate::bvh::{Child, Order, Stack, Stacks, Visit};
 use crate::mesh_bvh::{MeshBvh, MeshHit};
 use crate::simd::{LaneHits, PacketBoxes, PacketHits, PacketLeaf};
 use fearless_simd::Simd;
@@ -32,12 +32,7 @@ impl MeshBvh {
             |visit, here, furthest| {
                 match visit {
                     Visit::Alone(child) => {
-                        best.settle(here, hits);
-                        for i in lanes_of(here) {
-                            let t_max = &mut best.t_max[i];
-                            self.closest(batch, i, child, t_max, &mut hits[i], single);
-                            best.note(i, &hits[i]);
-                        }
+                        self.closest_each(batch, here, child, &mut best, hits, single);
                     }
                     Visit::Leaf(leaf) => {
                         for k in self.met_by_any(simd, &boxes, leaf, furthest) {
@@ -52,6 +47,25 @@ impl MeshBvh {
             },
         );
         best.settle(u32::MAX, hits);
+    }
+
+    /// Each of the rays `here` looks for a nearer hit under `from`.
+    #[inline(always)]
+    fn closest_each<S: Simd>(
+        &self,
+        batch: &Batch<S>,
+        here: u32,
+        from: Child,
+        best: &mut PacketHits<S>,
+        hits: &mut [Option<MeshHit>],
+        stack: &mut Stack,
+    ) {
+        best.settle(here, hits);
+        for i in lanes_of(here) {
+            let t_max = &mut best.t_max[i];
+            self.closest(batch, i, from, t_max, &mut hits[i], stack);
+            best.note(i, &hits[i]);
+        }
     }
 
     /// Takes the hits with one triangle: all lanes at once, but for those that the slide or the filter has to look at.
@@ -106,32 +120,59 @@ impl MeshBvh {
             packet,
             #[inline(always)]
             |visit, here, furthest| {
-                let mut done = 0;
-                match visit {
-                    Visit::Alone(child) => {
-                        for i in lanes_of(here) {
-                            done |= u32::from(self.any(batch, i, child, single)) << i;
-                        }
-                    }
+                let done = match visit {
+                    Visit::Alone(child) => self.any_each(batch, here, child, single),
                     Visit::Leaf(leaf) => {
-                        for k in self.met_by_any(simd, &boxes, leaf, furthest) {
-                            let left = here & !done;
-                            if left == 0 {
-                                break;
-                            }
-                            let found = leaf_rays.meet(&self.leaves, leaf, k, left, ready.t_max);
-                            if let Some(found) = found {
-                                done |= self.there(batch, &found, (leaf, k));
-                            }
-                        }
+                        let met = self.met_by_any(simd, &boxes, leaf, furthest);
+                        self.any_in_leaf(batch, &leaf_rays, here, leaf, met)
                     }
-                }
+                };
                 for i in lanes_of(done) {
                     occluded[i] = true;
                 }
                 (done, ready.t_max)
             },
         );
+    }
+
+    /// Those of the rays `here` that meet anything under `from`.
+    #[inline(always)]
+    fn any_each<S: Simd>(
+        &self,
+        batch: &Batch<S>,
+        here: u32,
+        from: Child,
+        stack: &mut Stack,
+    ) -> u32 {
+        let mut done = 0;
+        for i in lanes_of(here) {
+            done |= u32::from(self.any(batch, i, from, stack)) << i;
+        }
+        done
+    }
+
+    /// Those of the rays `here` that meet any of the triangles at `places` of a leaf.
+    #[inline(always)]
+    fn any_in_leaf<S: Simd>(
+        &self,
+        batch: &Batch<S>,
+        leaf_rays: &PacketLeaf<S>,
+        here: u32,
+        leaf: (usize, usize),
+        places: impl Iterator<Item = usize>,
+    ) -> u32 {
+        let mut done = 0;
+        for k in places {
+            let left = here & !done;
+            if left == 0 {
+                break;
+            }
+            let found = leaf_rays.meet(&self.leaves, leaf, k, left, batch.ready.t_max);
+            if let Some(found) = found {
+                done |= self.there(batch, &found, (leaf, k));
+            }
+        }
+        done
     }
 
     /// The rays for which something is there at one triangle.
