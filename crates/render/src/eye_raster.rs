@@ -2,10 +2,11 @@
 
 use crate::{
     AlphaMode, Camera, CameraFrame, Geometry, InstanceId, Projection, SceneBvh,
-    eye_lanes::{PixelRows, SeenMesh},
+    eye_lanes::{Patch, SeenMesh},
     scene_draws::{SceneDraws, find, first_ids},
     shadow_map::{LightView, covered},
     surface::alpha_at,
+    trace::Tracer,
 };
 use std::ops::Range;
 use umbriel_kernels::{
@@ -33,6 +34,8 @@ pub(crate) struct EyeRaster<'a> {
     draws: SceneDraws<'a>,
     first_ids: Vec<u32>,
     solids: Vec<Solid>,
+    /// Of each instance that needs no rays to be shaded.
+    plain: Vec<Option<SeenMesh<'a>>>,
 }
 
 /// An analytic surface and the pixels it may cover.
@@ -87,9 +90,11 @@ impl Drawn {
 #[derive(Debug, Default)]
 pub(crate) struct Seen {
     drawn: Drawn,
-    /// The rays of the pixels, row by row, and what they see.
-    pub(crate) rays: Vec<Ray>,
-    pub(crate) hits: Vec<Option<Hit>>,
+    /// Of the pixels, row by row.
+    ids: Vec<u32>,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+    radiance: Vec<Vec3>,
 }
 
 impl<'a> EyeRaster<'a> {
@@ -131,6 +136,9 @@ impl<'a> EyeRaster<'a> {
             frame: camera.frame(size),
             place,
             size,
+            plain: (0..scene.instances.len())
+                .map(|i| plain(bvh, i, [first_ids[i], first_ids[i + 1]]))
+                .collect(),
             draws: SceneDraws::new(bvh, &first_ids, clip, |i| Some(cutoff(i))),
             solids: (0..scene.instances.len()).filter_map(solid).collect(),
             first_ids,
@@ -149,8 +157,30 @@ impl<'a> EyeRaster<'a> {
         raster.draw_tile(number, Some(&keep), tile);
     }
 
+    /// The radiance of the pixels of `rect`, whole rows of a drawn tile.
+    pub(crate) fn trace<'s>(
+        &self,
+        tracer: &mut Tracer,
+        rect: [u32; 4],
+        tile: &TileImage,
+        seen: &'s mut Seen,
+    ) -> &'s [Vec3] {
+        let [x0, y0, x1, y1] = rect;
+        let width = (x1 - x0) as usize;
+        let mut ids = std::mem::take(&mut seen.ids);
+        ids.resize(width * (y1 - y0) as usize, 0);
+        for (row, y) in ids.chunks_mut(width).zip(y0..y1) {
+            tile.row_ids((y - tile.rect[1]) as usize, row);
+        }
+        self.see(rect, &ids, seen);
+        seen.radiance.resize(ids.len(), Vec3::ZERO);
+        seen.ids = ids;
+        tracer.trace_seen(&seen.rays, &seen.hits, &mut seen.radiance);
+        &seen.radiance
+    }
+
     /// What the pixels of `rect`, whole rows of a drawn tile, see; `ids` are the numbers of the triangles drawn there.
-    pub(crate) fn see(&self, rect: [u32; 4], ids: &[u32], seen: &mut Seen) {
+    fn see(&self, rect: [u32; 4], ids: &[u32], seen: &mut Seen) {
         let [x0, y0, x1, y1] = rect;
         seen.rays.clear();
         for y in y0..y1 {
@@ -171,59 +201,64 @@ impl<'a> EyeRaster<'a> {
         }
     }
 
-    /// What the pixels of rows see if it is one opaque mesh without normal texture at most, and the sky; otherwise nothing.
-    pub(crate) fn one_mesh(&self, rows: &PixelRows) -> Option<Option<SeenMesh<'_>>> {
-        let [x0, y0] = rows.corner;
-        let height = rows.ids.len().div_ceil(rows.width) as u32;
-        let [x1, y1] = [x0 + rows.width as u32, y0 + height];
+    /// The mesh of the lowest number from `first` on among those of a patch. To be called within [`VectorUnit::run`].
+    #[inline(always)]
+    fn next_instance(&self, ids: &[u32; LANES], first: u32) -> Option<usize> {
+        let least = ids.iter().fold(
+            u32::MAX,
+            #[inline(always)]
+            |least, &id| least.min(if id >= first { id } else { u32::MAX }),
+        );
+        (least != u32::MAX).then(|| find(&self.first_ids, least).0 as usize)
+    }
+
+    /// Calls `each` for the meshes that a patch shows, from the lowest number on. Gives false, at once, if they are not all plain.
+    pub(crate) fn for_meshes(
+        &self,
+        unit: VectorUnit,
+        ids: &[u32; LANES],
+        mut each: impl FnMut(&SeenMesh),
+    ) -> bool {
+        let mut first = 0;
+        while let Some(instance) = unit.run(
+            #[inline(always)]
+            || self.next_instance(ids, first),
+        ) {
+            let Some(mesh) = &self.plain[instance] else {
+                return false;
+            };
+            each(mesh);
+            first = mesh.ids[1];
+        }
+        true
+    }
+
+    /// Whether the pixels of `rect`, rows of patches of a drawn tile, show nothing but opaque meshes without normal textures, and the sky.
+    pub(crate) fn is_plain(&self, unit: VectorUnit, rect: [u32; 4], tile: &TileImage) -> bool {
+        let [x0, y0, x1, y1] = rect;
         let is_near = |solid: &Solid| {
             let [l, t, r, b] = solid.rect;
             l < x1 && r > x0 && t < y1 && b > y0
         };
         if self.solids.iter().any(is_near) {
-            return None;
+            return false;
         }
-        let least = rows.ids.iter().fold(u32::MAX, |least, &id| least.min(id));
-        if least == u32::MAX {
-            return Some(None);
-        }
-        // Nothing has the number u32::MAX: it becomes 0.
-        let most = rows
-            .ids
-            .iter()
-            .fold(0, |most, &id| most.max(id.wrapping_add(1)));
-        let (instance, _) = find(&self.first_ids, least);
-        if find(&self.first_ids, most - 1).0 != instance {
-            return None;
-        }
-        let scene = self.bvh.scene();
-        let placed = &scene.instances[instance as usize];
-        let material = &scene.materials[placed.material.index()];
-        let Geometry::Mesh(mesh) = placed.geometry else {
-            return None;
-        };
-        let is_plain = material.alpha_mode != AlphaMode::Blend && material.normal_texture.is_none();
-        is_plain.then_some(Some(SeenMesh {
-            instance,
-            mesh: &scene.meshes[mesh.index()],
-            to_object: self.bvh.to_object(InstanceId(instance)),
-            first_id: self.first_ids[instance as usize],
-        }))
+        let row = ((y0 - tile.rect[1]) / TileImage::PATCH[1]) as usize;
+        let mut columns = 0..(x1 - x0).div_ceil(TileImage::PATCH[0]) as usize;
+        columns.all(|column| self.for_meshes(unit, tile.patch_ids(column, row), |_| ()))
     }
 
-    /// The rows of a drawn tile from `corner` on.
-    pub(crate) fn rows<'b>(
-        &'b self,
-        corner: [u32; 2],
-        width: usize,
-        ids: &'b [u32],
-    ) -> PixelRows<'b> {
-        PixelRows {
+    /// A patch of a drawn tile, its column and row given.
+    pub(crate) fn patch<'b>(&'b self, tile: &'b TileImage, column: u32, row: u32) -> Patch<'b> {
+        let [x0, y0, x1, y1] = tile.rect;
+        let first = [TileImage::PATCH[0] * column, TileImage::PATCH[1] * row];
+        Patch {
             frame: &self.frame,
             place: self.place,
-            corner,
-            width,
-            ids,
+            corner: [x0, y0],
+            first,
+            room: [x1 - x0 - first[0], y1 - y0 - first[1]],
+            ids: tile.patch_ids(column as usize, row as usize),
         }
     }
 
@@ -298,6 +333,23 @@ impl<'a> EyeRaster<'a> {
         }
         None
     }
+}
+
+/// The mesh of an instance if it is opaque and has no normal texture; `ids` are its numbers.
+fn plain<'a>(bvh: &'a SceneBvh, instance: usize, ids: [u32; 2]) -> Option<SeenMesh<'a>> {
+    let scene = bvh.scene();
+    let placed = &scene.instances[instance];
+    let material = &scene.materials[placed.material.index()];
+    let Geometry::Mesh(mesh) = placed.geometry else {
+        return None;
+    };
+    let is_plain = material.alpha_mode != AlphaMode::Blend && material.normal_texture.is_none();
+    is_plain.then(|| SeenMesh {
+        instance: instance as u32,
+        mesh: &scene.meshes[mesh.index()],
+        to_object: bvh.to_object(InstanceId(instance as u32)),
+        ids,
+    })
 }
 
 /// Pushes the rays of a row of pixels, the first of which goes through `place`.

@@ -12,9 +12,6 @@ use rayon::prelude::*;
 use std::sync::{Mutex, atomic::Ordering};
 use umbriel_kernels::{Raster, TileImage, glam::Vec3};
 
-/// Most pixels that are shaded at once, at least a row of a tile: what they need stays in the cache.
-const BATCH: usize = 1024;
-
 /// A tile of the picture: its pixels' sums, row by row.
 struct PictureTile<'a> {
     number: usize,
@@ -59,7 +56,7 @@ pub(crate) fn render(
             });
             let before = counters(&tracer);
             eye.draw(&raster, tile.number, &mut image);
-            tile.shade(&mut tracer, &eye, job, &image, &mut seen);
+            tile.add_sample(&mut tracer, &eye, job, &image, &mut seen);
             let stats = counters(&tracer).since(before);
             lock(&idle).push((tracer, image, seen));
             let pixels = if last {
@@ -114,8 +111,8 @@ fn picture_tiles<'a>(
 }
 
 impl PictureTile<'_> {
-    /// Adds a sample to each pixel, some rows at a time.
-    fn shade(
+    /// Adds a sample to each pixel, a row of patches at a time.
+    fn add_sample(
         &mut self,
         tracer: &mut Tracer,
         eye: &EyeRaster,
@@ -124,29 +121,57 @@ impl PictureTile<'_> {
         seen: &mut Seen,
     ) {
         let [x0, y0, x1, y1] = image.rect;
-        let width = (x1 - x0) as usize;
         let [left, top, right, bottom] = job.crop;
-        let asked = (left.clamp(x0, x1) - x0) as usize..(right.clamp(x0, x1) - x0) as usize;
-        let mut radiance = [Vec3::ZERO; BATCH];
-        let rows = BATCH / width;
-        let starts = (y0..y1).step_by(rows);
-        for (ids, start) in image.ids.chunks(rows * width).zip(starts) {
-            let radiance = &mut radiance[..ids.len()];
-            let pixels = eye.rows([x0, start], width, ids);
-            if let Some(mesh) = eye.one_mesh(&pixels) {
-                tracer.trace_mesh(&pixels, mesh.as_ref(), radiance);
-            } else {
-                eye.see([x0, start, x1, (start + rows as u32).min(y1)], ids, seen);
-                tracer.trace_seen(&seen.rays, &seen.hits, radiance);
+        let down = TileImage::PATCH[1];
+        for (row, y) in (y0..y1).step_by(down as usize).enumerate() {
+            let rect = [x0, y, x1, (y + down).min(y1)];
+            if rect[3] <= top || y >= bottom {
+                continue;
             }
-            for (row, y) in radiance.chunks(width).zip(start..) {
-                if (top..bottom).contains(&y) {
-                    let sums = &mut self.rows[(y - y0) as usize][asked.clone()];
-                    add_row(self.samples == 0, &row[asked.clone()], sums);
-                }
+            let within = left <= x0 && right >= x1 && top <= y && bottom >= rect[3];
+            if within && eye.is_plain(tracer.unit(), rect, image) {
+                self.add_patches(tracer, eye, image, row);
+            } else {
+                self.add_rows(tracer, eye, job, image, rect, seen);
             }
         }
         self.samples += 1;
+    }
+
+    /// Adds a sample to each pixel of a row of plain patches.
+    fn add_patches(&mut self, tracer: &mut Tracer, eye: &EyeRaster, image: &TileImage, row: usize) {
+        let [across, down] = TileImage::PATCH.map(|side| side as usize);
+        let is_first = self.samples == 0;
+        let rows = &mut self.rows[row * down..];
+        let width = (image.rect[2] - image.rect[0]) as usize;
+        for (column, start) in (0..width).step_by(across).enumerate() {
+            tracer.trace_patch(eye, &eye.patch(image, column as u32, row as u32));
+            let pixels = start..(start + across).min(width);
+            let rows = rows.iter_mut().map(|row| &mut row[pixels.clone()]);
+            tracer.write_patch(is_first, rows);
+        }
+    }
+
+    /// Adds a sample to each pixel of whole rows.
+    fn add_rows(
+        &mut self,
+        tracer: &mut Tracer,
+        eye: &EyeRaster,
+        job: &Job,
+        image: &TileImage,
+        rect: [u32; 4],
+        seen: &mut Seen,
+    ) {
+        let [x0, y0, x1, y1] = rect;
+        let [left, top, right, bottom] = job.crop;
+        let asked = (left.clamp(x0, x1) - x0) as usize..(right.clamp(x0, x1) - x0) as usize;
+        let radiance = eye.trace(tracer, rect, image, seen);
+        for (row, y) in radiance.chunks((x1 - x0) as usize).zip(y0..y1) {
+            if (top..bottom).contains(&y) {
+                let sums = &mut self.rows[(y - image.rect[1]) as usize][asked.clone()];
+                add_row(self.samples == 0, &row[asked.clone()], sums);
+            }
+        }
     }
 
     /// Removes what was there before, unless samples were added.

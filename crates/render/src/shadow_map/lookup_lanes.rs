@@ -4,7 +4,10 @@ use super::{
     Bias, DepthMap, LightView, ShadowFilter, ShadowMap, ShadowMaps,
     bias::{is_lit, receiver},
 };
-use crate::{direct::VisibilityLanes, surface_lanes::SurfaceLanes};
+use crate::{
+    direct::{LEAST_SHARE, VisibilityLanes},
+    surface_lanes::SurfaceLanes,
+};
 use umbriel_kernels::{LANES, Lanes, whole_vectors};
 
 /// The second question answered by shadow maps, to the bit as [`ShadowMap::fraction`] answers it.
@@ -45,9 +48,15 @@ impl<'a> MapVisibility<'a> {
 
 impl VisibilityLanes for MapVisibility<'_> {
     #[inline(always)]
-    fn fractions(&mut self, light: usize, surfaces: &SurfaceLanes, fractions: &mut Lanes) {
+    fn fractions(
+        &mut self,
+        light: usize,
+        surfaces: &SurfaceLanes,
+        share: &Lanes,
+        fractions: &mut Lanes,
+    ) {
         let map = &self.maps.maps[light];
-        let lanes = 0..surfaces.len.min(LANES);
+        let lanes = surfaces.len.min(LANES);
         let receivers = &mut *self.receivers;
         if let Some((face, reach)) = map.square() {
             receivers.fill(face, &map.settings.bias, reach, surfaces);
@@ -55,8 +64,10 @@ impl VisibilityLanes for MapVisibility<'_> {
         } else {
             receivers.held.fill(0.0);
         }
-        for i in lanes {
-            if receivers.held[i] == 0.0 {
+        // Most blocks have none.
+        let is_left = |i: usize| (receivers.held[i] == 0.0) & (share[i] > LEAST_SHARE);
+        if (0..lanes).fold(false, |any, i| any | is_left(i)) {
+            for i in (0..lanes).filter(|&i| is_left(i)) {
                 let surface = surfaces.get(i);
                 fractions[i] = map.fraction(surface.shadow_p, surface.ng);
             }
@@ -320,7 +331,7 @@ mod tests {
                     #[inline(always)]
                     || {
                         surfaces.fill(bvh, instance, seen.iter().copied());
-                        lanes.fractions(light, &surfaces, &mut fractions);
+                        lanes.fractions(light, &surfaces, &[1.0; LANES], &mut fractions);
                     },
                 );
                 for (i, fraction) in fractions.iter().enumerate().take(seen.len()) {
