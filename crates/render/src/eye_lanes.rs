@@ -46,11 +46,19 @@ pub(crate) struct EyeLanes {
 
 impl Patch<'_> {
     /// The lanes within the tile, the first one in the lowest bit.
+    #[inline(always)]
     fn inside(&self) -> u64 {
         let [width, height] = self.room;
         if width >= TileImage::PATCH[0] && height >= TileImage::PATCH[1] {
             return u64::MAX;
         }
+        self.inside_edge()
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn inside_edge(&self) -> u64 {
+        let [width, height] = self.room;
         self.lanes(
             #[inline(always)]
             |i| {

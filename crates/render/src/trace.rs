@@ -107,12 +107,15 @@ impl<'a> Tracer<'a> {
         settings: &'a Settings,
         maps: Option<&'a ShadowMaps>,
     ) -> Self {
+        let unit = VectorUnit::default();
         Self {
             bvh,
             settings,
-            unit: VectorUnit::default(),
+            unit,
             shadow_rays: ShadowRays::new(bvh, settings.glass_shadows),
-            maps: maps.filter(|_| settings.shadows).map(MapVisibility::new),
+            maps: maps
+                .filter(|_| settings.shadows)
+                .map(|maps| MapVisibility::new(maps, unit)),
             direct: DirectLight::default(),
             queue: Queue::default(),
             next: Queue::default(),

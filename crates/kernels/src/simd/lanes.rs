@@ -1,7 +1,7 @@
 //! Vectors of many lanes, for loops that the compiler turns into vector instructions.
 
 use crate::{Surface, SurfacePoint};
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, dispatch, prelude::*, u32x16};
 use glam::{Vec2, Vec3};
 
 /// Lanes in a block.
@@ -13,6 +13,20 @@ pub const LANES: usize = 64;
 pub const fn whole_vectors(len: usize) -> usize {
     let lanes = len.next_multiple_of(32);
     if lanes < LANES { lanes } else { LANES }
+}
+
+/// The lanes that differ from the one before, and the first one, which is in the lowest bit.
+pub fn run_starts(unit: VectorUnit, lanes: &[u32; LANES]) -> u64 {
+    dispatch!(unit.0, simd => {
+        let ends = [(1, 17), (16, 32), (32, 48), (48, 64)];
+        let mut starts = 1;
+        for (first, end) in ends {
+            let here = u32x16::from_slice(simd, &lanes[first..end]);
+            let before = u32x16::from_slice(simd, &lanes[first - 1..end - 1]);
+            starts |= (!here.simd_eq(before).to_bitmask() & 0xffff) << first;
+        }
+        starts
+    })
 }
 
 /// One number a lane.
@@ -53,6 +67,12 @@ impl Vec3Lanes {
     #[inline(always)]
     pub(super) fn components(&self) -> [&Lanes; 3] {
         [&self.x, &self.y, &self.z]
+    }
+
+    /// Component by component.
+    #[inline(always)]
+    pub(super) fn components_mut(&mut self) -> [&mut Lanes; 3] {
+        [&mut self.x, &mut self.y, &mut self.z]
     }
 
     /// Changes the vector of lane `i`.
