@@ -121,7 +121,8 @@ pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};
 pub use simd::{
     LANES, Lanes, NearTexels, PairLanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit,
-    run_starts, triangle_coordinates_each, triangle_coordinates_lanes, unit_normals, whole_vectors,
+    lanes_within, run_starts, triangle_coordinates_each, triangle_coordinates_lanes, unit_normals,
+    whole_vectors,
 };
 pub use sphere::{Sphere, intersect_sphere};
 pub use surface::{Surface, intersect_surface};

@@ -4,6 +4,7 @@ use crate::{CameraFrame, Environment, Mesh, shade_block::ShadeBlock};
 use umbriel_kernels::{
     LANES, Ray, TileImage, Vec3Lanes, VectorUnit,
     glam::{Affine3A, Vec2, Vec3},
+    lanes_within,
 };
 
 /// 16 x 4 pixels of a tile, one a lane, see [`TileImage::patch_ids`].
@@ -68,16 +69,6 @@ impl Patch<'_> {
         )
     }
 
-    /// The lanes within the tile that see a mesh.
-    #[inline(always)]
-    fn members(&self, mesh: &SeenMesh) -> u64 {
-        let [first, end] = mesh.ids;
-        self.lanes(
-            #[inline(always)]
-            |i| (first..end).contains(&self.ids[i]),
-        ) & self.inside()
-    }
-
     #[inline(always)]
     fn lanes(&self, holds: impl Fn(usize) -> bool) -> u64 {
         (0..LANES).fold(
@@ -114,10 +105,11 @@ impl EyeLanes {
         seen: &SeenMesh,
         block: &mut ShadeBlock,
     ) -> u64 {
-        let members = unit.run(
+        let [first, end] = seen.ids;
+        let members = lanes_within(unit, patch.ids, first, end) & patch.inside();
+        unit.run(
             #[inline(always)]
             || {
-                let [first, end] = seen.ids;
                 // Other lanes get a triangle of the mesh, too.
                 let any = patch.ids.iter().fold(
                     end - 1,
@@ -128,7 +120,6 @@ impl EyeLanes {
                 block
                     .surfaces
                     .gather(seen.mesh, patch.ids.iter().map(triangle));
-                patch.members(seen)
             },
         );
         let (origin, dir) = match seen.to_object {

@@ -249,16 +249,17 @@ impl<'a> EyeRaster<'a> {
     }
 
     /// A patch of a drawn tile, its column and row given.
-    pub(crate) fn patch<'b>(&'b self, tile: &'b TileImage, column: u32, row: u32) -> Patch<'b> {
+    pub(crate) fn patch<'b>(&'b self, tile: &'b TileImage, column: usize, row: usize) -> Patch<'b> {
         let [x0, y0, x1, y1] = tile.rect;
-        let first = [TileImage::PATCH[0] * column, TileImage::PATCH[1] * row];
+        let [across, down] = TileImage::PATCH;
+        let first = [across * column as u32, down * row as u32];
         Patch {
             frame: &self.frame,
             place: self.place,
             corner: [x0, y0],
             first,
             room: [x1 - x0 - first[0], y1 - y0 - first[1]],
-            ids: tile.patch_ids(column as usize, row as usize),
+            ids: tile.patch_ids(column, row),
         }
     }
 

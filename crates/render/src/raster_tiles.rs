@@ -12,6 +12,9 @@ use rayon::prelude::*;
 use std::sync::{Mutex, atomic::Ordering};
 use umbriel_kernels::{Raster, TileImage, glam::Vec3};
 
+/// Rows of a patch.
+const DOWN: usize = TileImage::PATCH[1] as usize;
+
 /// A tile of the picture: its part of every row.
 struct PictureTile<'a, T> {
     number: usize,
@@ -25,8 +28,6 @@ struct Worker<'a> {
     tracer: Tracer<'a>,
     image: TileImage,
     seen: Seen,
-    /// Pixels of a tile that goes to bytes at once.
-    pixels: Vec<[f32; 4]>,
 }
 
 /// A picture with one sample in each pixel, all at the same place.
@@ -117,7 +118,6 @@ fn with_worker<'a>(
         tracer: Tracer::new(bvh, job.settings, maps),
         image: TileImage::default(),
         seen: Seen::default(),
-        pixels: Vec::new(),
     });
     let before = counters(&worker.tracer);
     let Stats { pixels, .. } = work(&mut worker);
@@ -142,7 +142,10 @@ impl Exposure<'_> {
             return Stats::default();
         }
         self.eye.draw(self.raster, tile.number, &mut worker.image);
-        tile.add_sample(worker, self.eye, self.job);
+        for (number, rows) in tile.rows.chunks_mut(DOWN).enumerate() {
+            self.add_strip(worker, number, tile.samples == 0, rows);
+        }
+        tile.samples += 1;
         Stats {
             pixels: if last {
                 self.job.count(self.raster.rect(tile.number))
@@ -153,27 +156,100 @@ impl Exposure<'_> {
         }
     }
 
-    /// Renders a tile and develops it; transparent after a stop.
+    /// Renders a tile and develops it, row of patches by row of patches; transparent after a stop.
     fn develop(
         &self,
-        tile: PictureTile<[u8; 4]>,
+        mut tile: PictureTile<[u8; 4]>,
         worker: &mut Worker,
         development: &Development,
     ) -> Stats {
-        let mut pixels = std::mem::take(&mut worker.pixels);
-        let width = tile.rows.first().map_or(0, |row| row.len());
-        pixels.resize(width * tile.rows.len(), [0.0; 4]);
-        let mut sums = PictureTile {
-            number: tile.number,
-            rows: pixels.chunks_mut(width.max(1)).collect(),
-            samples: 0,
-        };
-        let stats = self.add_sample(&mut sums, worker, true);
-        for (bytes, pixels) in tile.rows.into_iter().zip(&sums.rows) {
-            development.develop(pixels, bytes);
+        if self.job.control.stop.load(Ordering::Relaxed) {
+            tile.rows.iter_mut().for_each(|row| row.fill([0; 4]));
+            return Stats::default();
         }
-        worker.pixels = pixels;
-        stats
+        self.eye.draw(self.raster, tile.number, &mut worker.image);
+        let mut pixels = [[[0.0; 4]; TILE as usize]; DOWN];
+        for (number, bytes) in tile.rows.chunks_mut(DOWN).enumerate() {
+            let rows = pixels.iter_mut().zip(&*bytes);
+            let mut rows: Vec<&mut [[f32; 4]]> =
+                rows.map(|(row, bytes)| &mut row[..bytes.len()]).collect();
+            self.add_strip(worker, number, true, &mut rows);
+            // What is written now finds its way to memory while the next rows are shaded.
+            for (bytes, pixels) in bytes.iter_mut().zip(&rows) {
+                development.develop(pixels, bytes);
+            }
+        }
+        Stats {
+            pixels: self.job.count(self.raster.rect(tile.number)),
+            ..Stats::default()
+        }
+    }
+
+    /// Adds a sample to each pixel of a row of patches of the tile that was drawn; only those within the crop are changed. The first sample takes
+    /// the place of what was there before.
+    fn add_strip(
+        &self,
+        worker: &mut Worker,
+        number: usize,
+        is_first: bool,
+        rows: &mut [&mut [[f32; 4]]],
+    ) {
+        let [x0, y0, x1, y1] = worker.image.rect;
+        let [left, top, right, bottom] = self.job.crop;
+        let y = y0 + (number * DOWN) as u32;
+        let rect = [x0, y, x1, (y + DOWN as u32).min(y1)];
+        if rect[3] <= top || y >= bottom {
+            return;
+        }
+        let within = left <= x0 && right >= x1 && top <= y && bottom >= rect[3];
+        if within && self.eye.is_plain(worker.tracer.unit(), rect, &worker.image) {
+            self.add_patches(worker, number, is_first, rows);
+        } else {
+            self.add_rows(worker, rect, is_first, rows);
+        }
+    }
+
+    /// Adds a sample to each pixel of a row of plain patches.
+    fn add_patches(
+        &self,
+        worker: &mut Worker,
+        number: usize,
+        is_first: bool,
+        rows: &mut [&mut [[f32; 4]]],
+    ) {
+        let Worker { tracer, image, .. } = worker;
+        let width = (image.rect[2] - image.rect[0]) as usize;
+        let across = TileImage::PATCH[0] as usize;
+        for (column, start) in (0..width).step_by(across).enumerate() {
+            tracer.trace_patch(self.eye, &self.eye.patch(image, column, number));
+            let pixels = start..(start + across).min(width);
+            let rows = rows.iter_mut().map(|row| &mut row[pixels.clone()]);
+            tracer.write_patch(is_first, rows);
+        }
+    }
+
+    /// Adds a sample to each pixel of whole rows within the crop.
+    fn add_rows(
+        &self,
+        worker: &mut Worker,
+        rect: [u32; 4],
+        is_first: bool,
+        rows: &mut [&mut [[f32; 4]]],
+    ) {
+        let [x0, y0, x1, y1] = rect;
+        let [left, top, right, bottom] = self.job.crop;
+        let asked = (left.clamp(x0, x1) - x0) as usize..(right.clamp(x0, x1) - x0) as usize;
+        let Worker {
+            tracer,
+            image,
+            seen,
+        } = worker;
+        let radiance = self.eye.trace(tracer, rect, image, seen);
+        for ((row, sums), y) in radiance.chunks((x1 - x0) as usize).zip(rows).zip(y0..y1) {
+            if (top..bottom).contains(&y) {
+                add_row(is_first, &row[asked.clone()], &mut sums[asked.clone()]);
+            }
+        }
     }
 }
 
@@ -212,56 +288,6 @@ fn picture_tiles<'a, T>(
 }
 
 impl PictureTile<'_, [f32; 4]> {
-    /// Adds a sample to each pixel, a row of patches at a time.
-    fn add_sample(&mut self, worker: &mut Worker, eye: &EyeRaster, job: &Job) {
-        let [x0, y0, x1, y1] = worker.image.rect;
-        let [left, top, right, bottom] = job.crop;
-        let down = TileImage::PATCH[1];
-        for (row, y) in (y0..y1).step_by(down as usize).enumerate() {
-            let rect = [x0, y, x1, (y + down).min(y1)];
-            if rect[3] <= top || y >= bottom {
-                continue;
-            }
-            let within = left <= x0 && right >= x1 && top <= y && bottom >= rect[3];
-            if within && eye.is_plain(worker.tracer.unit(), rect, &worker.image) {
-                self.add_patches(worker, eye, row);
-            } else {
-                self.add_rows(worker, eye, job.crop, rect);
-            }
-        }
-        self.samples += 1;
-    }
-
-    /// Adds a sample to each pixel of a row of plain patches.
-    fn add_patches(&mut self, worker: &mut Worker, eye: &EyeRaster, row: usize) {
-        let Worker { tracer, image, .. } = worker;
-        let [across, down] = TileImage::PATCH.map(|side| side as usize);
-        let is_first = self.samples == 0;
-        let rows = &mut self.rows[row * down..];
-        let width = (image.rect[2] - image.rect[0]) as usize;
-        for (column, start) in (0..width).step_by(across).enumerate() {
-            tracer.trace_patch(eye, &eye.patch(image, column as u32, row as u32));
-            let pixels = start..(start + across).min(width);
-            let rows = rows.iter_mut().map(|row| &mut row[pixels.clone()]);
-            tracer.write_patch(is_first, rows);
-        }
-    }
-
-    /// Adds a sample to each pixel of whole rows within the crop.
-    fn add_rows(&mut self, worker: &mut Worker, eye: &EyeRaster, crop: [u32; 4], rect: [u32; 4]) {
-        let [x0, y0, x1, y1] = rect;
-        let [left, top, right, bottom] = crop;
-        let asked = (left.clamp(x0, x1) - x0) as usize..(right.clamp(x0, x1) - x0) as usize;
-        let first = worker.image.rect[1];
-        let radiance = eye.trace(&mut worker.tracer, rect, &worker.image, &mut worker.seen);
-        for (row, y) in radiance.chunks((x1 - x0) as usize).zip(y0..y1) {
-            if (top..bottom).contains(&y) {
-                let sums = &mut self.rows[(y - first) as usize][asked.clone()];
-                add_row(self.samples == 0, &row[asked.clone()], sums);
-            }
-        }
-    }
-
     /// Removes what was there before, unless samples were added.
     fn clear(&mut self) {
         if self.samples == 0 {

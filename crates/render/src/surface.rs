@@ -98,18 +98,25 @@ pub fn surface_interaction(bvh: &SceneBvh, ray: &Ray, hit: &Hit) -> SurfaceInter
 /// Turns the normals to the side of `wo`; 1 if that is the outside or the front, −1 if not.
 #[inline(always)]
 pub(crate) fn face_viewer(place: Place, inside_out: bool, wo: Vec3) -> (Place, f32) {
+    let (place, side) = turn_to_viewer(place, inside_out, wo);
+    let ns = towards_viewer(place.ns, place.ng, wo);
+    (Place { ns, ..place }, side)
+}
+
+/// [`face_viewer`] but for shading normals that point away from the viewer.
+#[inline(always)]
+pub(crate) fn turn_to_viewer(place: Place, inside_out: bool, wo: Vec3) -> (Place, f32) {
     let outwards = if inside_out { -1.0 } else { 1.0 };
     let (ng, ns) = (outwards * place.ng, outwards * place.ns);
     let side = side_of(wo, ng);
     let (ng, ns) = (side * ng, side * ns);
-    let ns = towards_viewer(ns, ng, wo);
     (Place { ng, ns, ..place }, side)
 }
 
 /// The shading normal, or where it points away from the viewer, as it may near silhouettes of smooth meshes, the nearest
 /// direction that does not.
 #[inline(always)]
-fn towards_viewer(ns: Vec3, ng: Vec3, wo: Vec3) -> Vec3 {
+pub(crate) fn towards_viewer(ns: Vec3, ng: Vec3, wo: Vec3) -> Vec3 {
     let cos_o = ns.dot(wo);
     if cos_o >= 0.0 {
         return ns;

@@ -29,6 +29,20 @@ pub fn run_starts(unit: VectorUnit, lanes: &[u32; LANES]) -> u64 {
     })
 }
 
+/// The lanes from `first` to before `end`, the first one in the lowest bit.
+pub fn lanes_within(unit: VectorUnit, lanes: &[u32; LANES], first: u32, end: u32) -> u64 {
+    dispatch!(unit.0, simd => {
+        let (first, end) = (u32x16::splat(simd, first), u32x16::splat(simd, end));
+        let mut within = 0;
+        for start in [0, 16, 32, 48] {
+            let number = u32x16::from_slice(simd, &lanes[start..start + 16]);
+            let is_within = number.simd_ge(first) & number.simd_lt(end);
+            within |= (is_within.to_bitmask() & 0xffff) << start;
+        }
+        within
+    })
+}
+
 /// One number a lane.
 pub type Lanes = [f32; LANES];
 

@@ -21,7 +21,9 @@ mod triangle_pairs;
 mod ways;
 
 pub(crate) use box_ray::BoxRay;
-pub use lanes::{LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit, run_starts, whole_vectors};
+pub use lanes::{
+    LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit, lanes_within, run_starts, whole_vectors,
+};
 pub use near_texels::NearTexels;
 pub(crate) use packet::PacketBoxes;
 pub(crate) use packet_hits::PacketHits;

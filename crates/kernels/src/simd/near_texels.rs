@@ -60,6 +60,9 @@ impl NearTexels<'_> {
         compared: f32x16<S>,
         planes: [f32x16<S>; 2],
     ) -> f32x16<S> {
+        let Some(squares) = self.four_squares(start) else {
+            return f32x16::simd_from(simd, self.count_at_the_end(start));
+        };
         let zero = f32x16::splat(simd, 0.0);
         let columns = f32x16::simd_from(simd, COLUMNS);
         let middle = (self.width / 2) as f32;
@@ -70,7 +73,7 @@ impl NearTexels<'_> {
             let one = one.select(f32x16::splat(simd, 1.0), zero);
             let dx = columns + (column as f32 - middle);
             for row in 0..self.width {
-                let stored = self.four_texels(simd, start, row * self.side + column);
+                let stored = four_texels(simd, squares, row * self.side + column);
                 let dy = row as f32 - middle;
                 let compared = match self.planes {
                     None => compared,
@@ -83,33 +86,57 @@ impl NearTexels<'_> {
         sum
     }
 
-    /// Four texels side by side of four squares, `step` behind their first.
+    /// The texels of four squares, up to where whole fours of the last rows end; nothing if the picture ends before.
     #[inline(always)]
-    fn four_texels<S: Simd>(&self, simd: S, start: usize, step: usize) -> f32x16<S> {
-        let first = |lane: usize| self.first[(start + lane) % LANES] as usize + step;
-        let low = self
-            .texels_at(simd, first(0))
-            .combine(self.texels_at(simd, first(1)));
-        let high = self
-            .texels_at(simd, first(2))
-            .combine(self.texels_at(simd, first(3)));
-        low.combine(high)
+    fn four_squares(&self, start: usize) -> Option<[&[f32]; 4]> {
+        let len = (self.width - 1) * self.side + self.width.next_multiple_of(4);
+        let square = |lane: usize| {
+            let first = self.first[(start + lane) % LANES] as usize;
+            self.texels.get(first..)?.get(..len)
+        };
+        Some([square(0)?, square(1)?, square(2)?, square(3)?])
     }
 
-    #[inline(always)]
-    fn texels_at<S: Simd>(&self, simd: S, from: usize) -> f32x4<S> {
-        match self.texels.get(from..).and_then(<[f32]>::first_chunk) {
-            Some(texels) => f32x4::simd_from(simd, *texels),
-            None => f32x4::simd_from(simd, self.last_texels(from)),
-        }
-    }
-
-    /// Four texels of which some are behind the last one.
+    /// The counts of four squares in one part each.
     #[cold]
     #[inline(never)]
-    fn last_texels(&self, from: usize) -> [f32; 4] {
-        std::array::from_fn(|i| self.texels.get(from + i).copied().unwrap_or(0.0))
+    fn count_at_the_end(&self, start: usize) -> [f32; GROUP] {
+        let count = |i: usize| {
+            if i.is_multiple_of(4) {
+                self.count_one(start + i / 4)
+            } else {
+                0.0
+            }
+        };
+        std::array::from_fn(count)
     }
+
+    /// The count of one lane: what is meant.
+    fn count_one(&self, i: usize) -> f32 {
+        let middle = (self.width / 2) as f32;
+        let places = (0..self.width).flat_map(|y| (0..self.width).map(move |x| (x, y)));
+        let holds = |&(x, y): &(usize, usize)| {
+            let (dx, dy) = (x as f32 - middle, y as f32 - middle);
+            let plane = self.planes.map_or(0.0, |[px, py]| px[i] * dx + py[i] * dy);
+            let stored = self.texels.get(self.first[i] as usize + y * self.side + x);
+            stored.is_some_and(|&stored| stored <= (self.compared[i] + plane).max(0.0))
+        };
+        places.filter(holds).count() as f32
+    }
+}
+
+/// Four texels side by side of four squares, `step` behind their first.
+#[inline(always)]
+fn four_texels<S: Simd>(simd: S, squares: [&[f32]; 4], step: usize) -> f32x16<S> {
+    let [a, b, c, d] = squares;
+    let low = texels_at(simd, a, step).combine(texels_at(simd, b, step));
+    let high = texels_at(simd, c, step).combine(texels_at(simd, d, step));
+    low.combine(high)
+}
+
+#[inline(always)]
+fn texels_at<S: Simd>(simd: S, square: &[f32], step: usize) -> f32x4<S> {
+    f32x4::from_slice(simd, &square[step..step + 4])
 }
 
 const COLUMNS: [f32; GROUP] = [
@@ -179,7 +206,7 @@ mod tests {
                     compared: &compared,
                     planes,
                 };
-                let expected: Lanes = std::array::from_fn(|i| count_one(&near, i));
+                let expected: Lanes = std::array::from_fn(|i| near.count_one(i));
                 for unit in VectorUnit::available() {
                     let mut counts = [0.0; LANES];
                     near.count(unit, LANES, &mut counts);
@@ -187,22 +214,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    fn count_one(near: &NearTexels, i: usize) -> f32 {
-        let mut count = 0.0;
-        for row in 0..near.width {
-            for column in 0..near.width {
-                let middle = (near.width / 2) as f32;
-                let (dx, dy) = (column as f32 - middle, row as f32 - middle);
-                let plane = near.planes.map_or(0.0, |[x, y]| x[i] * dx + y[i] * dy);
-                let compared = near.compared[i] + plane;
-                let stored = near.texels[near.first[i] as usize + row * near.side + column];
-                if stored <= compared.max(0.0) {
-                    count += 1.0;
-                }
-            }
-        }
-        count
     }
 }
