@@ -1,16 +1,16 @@
 //! Pass 2A: what each pixel sees, by rasterisation.
 
 use crate::{
-    AlphaMode, Camera, CameraFrame, Geometry, InstanceId, Projection, SceneBvh,
+    AlphaMode, Camera, CameraFrame, Geometry, InstanceId, Projection, Scene, SceneBvh,
     eye_lanes::{Patch, SeenMesh},
+    eye_solid::EyeSolid,
     scene_draws::{SceneDraws, find, first_ids},
-    shadow_map::{LightView, covered},
-    surface::alpha_at,
+    shadow_map::LightView,
     trace::Tracer,
 };
 use std::ops::Range;
 use umbriel_kernels::{
-    Hit, LANES, Raster, Ray, SurfaceList, TileImage, Triangle, TriangleHit, VectorUnit,
+    Hit, LANES, Raster, Ray, TileImage, Triangle, TriangleHit, VectorUnit,
     glam::{Affine3A, DMat3, Mat4, Vec2, Vec3},
     triangle_coordinates_each,
 };
@@ -33,21 +33,9 @@ pub(crate) struct EyeRaster<'a> {
     size: [u32; 2],
     draws: SceneDraws<'a>,
     first_ids: Vec<u32>,
-    solids: Vec<Solid>,
+    solids: Vec<EyeSolid>,
     /// Of each instance that needs no rays to be shaded.
     plain: Vec<Option<SeenMesh<'a>>>,
-}
-
-/// An analytic surface and the pixels it may cover.
-#[derive(Debug)]
-struct Solid {
-    instance: u32,
-    list: SurfaceList,
-    to_object: Option<Affine3A>,
-    /// Alpha below which it has holes.
-    cutoff: Option<f32>,
-    /// `x0, y0` (included), `x1, y1` (excluded).
-    rect: [u32; 4],
 }
 
 /// Rays, each with the triangle that was drawn at its pixel.
@@ -114,23 +102,6 @@ impl<'a> EyeRaster<'a> {
             let (origin, matrix) = view.clip(to_world);
             (origin, to_picture * matrix)
         };
-        let cutoff =
-            |i: usize| match scene.materials[scene.instances[i].material.index()].alpha_mode {
-                AlphaMode::Mask { cutoff } => Some(cutoff),
-                AlphaMode::Opaque | AlphaMode::Blend => None,
-            };
-        let solid = |i: usize| {
-            let Geometry::Surface(id) = scene.instances[i].geometry else {
-                return None;
-            };
-            Some(Solid {
-                instance: i as u32,
-                list: SurfaceList::new(vec![(i as u32, scene.surfaces[id.index()].clone())]),
-                to_object: bvh.to_object(InstanceId(i as u32)).copied(),
-                cutoff: cutoff(i),
-                rect: covered(&view, bvh, i, size),
-            })
-        };
         Self {
             bvh,
             frame: camera.frame(size),
@@ -139,8 +110,10 @@ impl<'a> EyeRaster<'a> {
             plain: (0..scene.instances.len())
                 .map(|i| plain(bvh, i, [first_ids[i], first_ids[i + 1]]))
                 .collect(),
-            draws: SceneDraws::new(bvh, &first_ids, clip, |i| Some(cutoff(i))),
-            solids: (0..scene.instances.len()).filter_map(solid).collect(),
+            draws: SceneDraws::new(bvh, &first_ids, clip, |i| Some(cutoff(scene, i))),
+            solids: (0..scene.instances.len())
+                .filter_map(|i| EyeSolid::new(bvh, &view, i, size, cutoff(scene, i)))
+                .collect(),
             first_ids,
         }
     }
@@ -148,6 +121,12 @@ impl<'a> EyeRaster<'a> {
     /// The triangles cut and sorted into tiles.
     pub(crate) fn raster(&self, least_w: f32) -> Raster<'_> {
         Raster::new(self.size, TILE, least_w, &self.draws.draws)
+    }
+
+    /// Takes the general way everywhere.
+    #[cfg(test)]
+    pub(crate) fn forget_plain(&mut self) {
+        self.plain.fill(None);
     }
 
     /// Draws the triangles of one tile.
@@ -197,7 +176,7 @@ impl<'a> EyeRaster<'a> {
         }
         seen.drawn.meet(&mut seen.hits, seen.rays.len());
         for solid in &self.solids {
-            self.see_solid(solid, rect, seen);
+            solid.see(self.bvh.scene(), rect, &seen.rays, &mut seen.hits);
         }
     }
 
@@ -235,12 +214,8 @@ impl<'a> EyeRaster<'a> {
 
     /// Whether the pixels of `rect`, rows of patches of a drawn tile, show nothing but opaque meshes without normal textures, and the sky.
     pub(crate) fn is_plain(&self, unit: VectorUnit, rect: [u32; 4], tile: &TileImage) -> bool {
-        let [x0, y0, x1, y1] = rect;
-        let is_near = |solid: &Solid| {
-            let [l, t, r, b] = solid.rect;
-            l < x1 && r > x0 && t < y1 && b > y0
-        };
-        if self.solids.iter().any(is_near) {
+        let [x0, y0, x1, _] = rect;
+        if self.solids.iter().any(|solid| solid.is_near(rect)) {
             return false;
         }
         let row = ((y0 - tile.rect[1]) / TileImage::PATCH[1]) as usize;
@@ -284,55 +259,13 @@ impl<'a> EyeRaster<'a> {
             drawn.pixels.push((pixel as u32, instance, primitive));
         }
     }
+}
 
-    /// Puts an analytic surface before what lies behind it.
-    fn see_solid(&self, solid: &Solid, [x0, y0, x1, y1]: [u32; 4], seen: &mut Seen) {
-        let [left, top, right, bottom] = solid.rect;
-        let (left, right) = (left.max(x0), right.min(x1));
-        let mut rays = [Ray::new(Vec3::ZERO, Vec3::Z); LANES];
-        let mut hits = [None; LANES];
-        for y in top.max(y0)..bottom.min(y1) {
-            for start in (left..right).step_by(LANES) {
-                let len = (right - start).min(LANES as u32) as usize;
-                let first = ((y - y0) * (x1 - x0) + start - x0) as usize;
-                for (ray, world) in rays.iter_mut().zip(&seen.rays[first..first + len]) {
-                    *ray = solid.to_object.map_or(*world, |m| world.transformed(&m));
-                }
-                solid.list.closest(&rays[..len], &mut hits[..len]);
-                for i in 0..len {
-                    let found = self.there(solid, &rays[i], hits[i]);
-                    let before = &mut seen.hits[first + i];
-                    if let Some(hit) = found
-                        && before.is_none_or(|b| (hit.t, hit.instance) < (b.t, b.instance))
-                    {
-                        *before = Some(hit);
-                    }
-                }
-            }
-        }
-    }
-
-    /// The first hit of an object-space ray that is no hole.
-    fn there(&self, solid: &Solid, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
-        let Some(cutoff) = solid.cutoff else {
-            return hit;
-        };
-        let mut hit = hit?;
-        // A ray meets a torus four times, and nothing more often.
-        for _ in 0..8 {
-            if alpha_at(self.bvh.scene(), ray, &hit) >= cutoff {
-                return Some(Hit {
-                    instance: solid.instance,
-                    ..hit
-                });
-            }
-            let mut rest = *ray;
-            rest.t.min = hit.t;
-            let mut next = [None];
-            solid.list.closest(&[rest], &mut next);
-            hit = next[0]?;
-        }
-        None
+/// The alpha below which an instance has holes; none where it has none.
+fn cutoff(scene: &Scene, instance: usize) -> Option<f32> {
+    match scene.materials[scene.instances[instance].material.index()].alpha_mode {
+        AlphaMode::Mask { cutoff } => Some(cutoff),
+        AlphaMode::Opaque | AlphaMode::Blend => None,
     }
 }
 

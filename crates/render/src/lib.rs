@@ -45,6 +45,7 @@ mod direct;
 mod environment;
 mod eye_lanes;
 mod eye_raster;
+mod eye_solid;
 mod film;
 mod fresnel;
 mod hit_groups;

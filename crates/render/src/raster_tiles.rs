@@ -317,3 +317,6 @@ fn add_row(is_first: bool, samples: &[Vec3], sums: &mut [[f32; 4]]) {
         *sum = (sample + before).extend(1.0).to_array();
     }
 }
+
+#[cfg(test)]
+mod tests;

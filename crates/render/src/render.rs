@@ -170,7 +170,7 @@ pub(crate) struct Job<'a> {
 }
 
 impl<'a> Job<'a> {
-    fn new(camera: &Camera, settings: &'a Settings, control: &'a Control<'a>) -> Self {
+    pub(crate) fn new(camera: &Camera, settings: &'a Settings, control: &'a Control<'a>) -> Self {
         let [width, height] = settings.resolution;
         let [x0, y0, x1, y1] = settings.crop.unwrap_or([0, 0, width, height]);
         Self {

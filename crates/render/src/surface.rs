@@ -5,7 +5,7 @@ use crate::{
     mesh_point::mesh_point,
 };
 use umbriel_kernels::{
-    Hit, Ray, gamma,
+    Hit, Ray, SurfaceList, gamma,
     glam::{Affine3A, Mat3, Vec2, Vec3, Vec4},
 };
 
@@ -136,6 +136,28 @@ pub(crate) fn alpha_at(scene: &Scene, object_ray: &Ray, hit: &Hit) -> f32 {
     let material = &scene.materials[instance.material.index()];
     let point = object_point(scene, instance, object_ray, hit);
     material.alpha * point.color.w * sample(scene, &material.base_color_texture, &point.uvs).w
+}
+
+/// The first hit from `hit` on of an object-space ray with an analytic surface, alone in its list, where alpha is not below `cutoff`.
+pub(crate) fn first_opaque(
+    scene: &Scene,
+    surface: &SurfaceList,
+    ray: &Ray,
+    mut hit: Hit,
+    cutoff: f32,
+) -> Option<Hit> {
+    // A ray meets a torus four times, and nothing more often.
+    for _ in 0..8 {
+        if alpha_at(scene, ray, &hit) >= cutoff {
+            return Some(hit);
+        }
+        let mut rest = *ray;
+        rest.t.min = hit.t;
+        let mut next = [None];
+        surface.closest(&[rest], &mut next);
+        hit = next[0]?;
+    }
+    None
 }
 
 fn object_point(scene: &Scene, instance: &Instance, object_ray: &Ray, hit: &Hit) -> ObjectPoint {

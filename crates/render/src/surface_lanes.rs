@@ -95,17 +95,7 @@ impl SurfaceLanes {
                 let surface = &scene.surfaces[id.index()];
                 self.settle(surface, hits, material.is_textured());
                 self.orient(placed.inside_out);
-                let uniform = !material.is_textured();
-                self.look_up(
-                    scene,
-                    material,
-                    uniform,
-                    #[inline(always)]
-                    |lanes, i| {
-                        let uv = image_uv(Vec2::new(lanes.points.u[i], lanes.points.v[i]));
-                        ([uv; 2], Vec4::ONE)
-                    },
-                );
+                self.look_up(scene, material, !material.is_textured(), Self::image_uvs);
             }
             Geometry::Mesh(id) if material.normal_texture.is_none() => {
                 let mesh = &scene.meshes[id.index()];
@@ -318,6 +308,13 @@ impl SurfaceLanes {
                 self.ns.set(i, towards_viewer(ns, ng, self.wo.get(i)));
             }
         }
+    }
+
+    /// Where the textures of an analytic surface are read.
+    #[inline(always)]
+    fn image_uvs(&self, i: usize) -> ([Vec2; 2], Vec4) {
+        let uv = Vec2::new(self.points.u[i], self.points.v[i]);
+        ([image_uv(uv); 2], Vec4::ONE)
     }
 
     /// Turns the normals to the side that is seen.

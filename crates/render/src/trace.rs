@@ -3,7 +3,7 @@
 use crate::{
     CameraFrame, Light, MaterialId, Method, SceneBvh, Settings, ShadowMaps, ShadowRays, Unshadowed,
     direct::DirectLight,
-    eye_lanes::{EyeLanes, Patch},
+    eye_lanes::{EyeLanes, Patch, SeenMesh},
     eye_raster::EyeRaster,
     hit_groups::HitGroups,
     shade_block::ShadeBlock,
@@ -262,41 +262,7 @@ impl<'a> Tracer<'a> {
         );
         let mut covered = 0;
         eye.for_meshes(unit, patch.ids, |mesh| {
-            let met = self.eye.meet(unit, patch, mesh, &mut self.block);
-            covered |= met;
-            if met == 0 {
-                return;
-            }
-            unit.run(
-                #[inline(always)]
-                || {
-                    let block = &mut *self.block;
-                    let lights = &self.bvh.scene().lights;
-                    block
-                        .surfaces
-                        .fill_met(self.bvh, mesh.instance, mesh.mesh, &self.eye.dir);
-                    block.see(met);
-                    let sum = &mut self.eye.sum;
-                    *sum = Vec3Lanes::default();
-                    let is_lit = block.shade(
-                        self.bvh.scene(),
-                        self.settings,
-                        #[inline(always)]
-                        |_, own, _| add_lanes(sum, own),
-                    );
-                    if is_lit {
-                        light_now(
-                            lights,
-                            block,
-                            &mut self.maps,
-                            &mut self.direct,
-                            #[inline(always)]
-                            |arriving| add_lanes(sum, arriving),
-                        );
-                    }
-                    self.eye.take(met);
-                },
-            );
+            covered |= self.shade_mesh(patch, mesh);
         });
         self.bad_samples += unit.run(
             #[inline(always)]
@@ -307,6 +273,42 @@ impl<'a> Tracer<'a> {
                 self.eye.drop_bad(patch)
             },
         );
+    }
+
+    /// Shades the pixels of a patch that see a mesh; gives their lanes, the first one in the lowest bit.
+    fn shade_mesh(&mut self, patch: &Patch, mesh: &SeenMesh) -> u64 {
+        let met = self.eye.meet(self.unit, patch, mesh, &mut self.block);
+        if met == 0 {
+            return 0;
+        }
+        self.unit.run(
+            #[inline(always)]
+            || {
+                let (scene, block) = (self.bvh.scene(), &mut *self.block);
+                let (surfaces, sum) = (&mut block.surfaces, &mut self.eye.sum);
+                surfaces.fill_met(self.bvh, mesh.instance, mesh.mesh, &self.eye.dir);
+                block.see(met);
+                *sum = Vec3Lanes::default();
+                let is_lit = block.shade(
+                    scene,
+                    self.settings,
+                    #[inline(always)]
+                    |_, own, _| add_lanes(sum, own),
+                );
+                if is_lit {
+                    light_now(
+                        &scene.lights,
+                        block,
+                        &mut self.maps,
+                        &mut self.direct,
+                        #[inline(always)]
+                        |arriving| add_lanes(sum, arriving),
+                    );
+                }
+                self.eye.take(met);
+            },
+        );
+        met
     }
 
     /// Adds what [`Tracer::trace_patch`] found to rows of pixels, see [`EyeLanes::write`].
