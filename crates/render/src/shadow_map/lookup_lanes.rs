@@ -171,8 +171,12 @@ impl ReceiverLanes {
         unit.run(
             #[inline(always)]
             || {
-                for lit in lit {
-                    *lit /= texels;
+                let all_or_nothing = |lit: f32| (lit == 0.0) | (lit == texels);
+                if lit.iter().fold(true, |all, &lit| all & all_or_nothing(lit)) {
+                    // Which needs no division.
+                    lit.iter_mut().for_each(|lit| *lit = lit.min(1.0));
+                } else {
+                    lit.iter_mut().for_each(|lit| *lit /= texels);
                 }
             },
         );
