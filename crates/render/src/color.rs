@@ -132,9 +132,8 @@ impl SrgbEncoder {
 #[inline(always)]
 fn alpha_byte(alpha: f32) -> u8 {
     const UNIT_STEPS: f32 = 8_388_608.0;
-    // A sum that is rounded down to whole numbers, as its part behind the point is cut off first.
-    let scaled = alpha.max(0.0).min(1.0) * 255.0 + 0.5;
-    (scaled.floor() + UNIT_STEPS).to_bits() as u8
+    let inside = if alpha > 0.0 { alpha.min(1.0) } else { 0.0 };
+    ((inside * 255.0 + 0.5).floor() + UNIT_STEPS).to_bits() as u8
 }
 
 /// The least linear values whose nearest bytes are 1 to 255.

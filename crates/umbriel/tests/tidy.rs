@@ -149,7 +149,10 @@ fn imports_point_down() {
 fn is_slide(line: &str) -> bool {
     let visible = ["pub(crate) ", "pub(super) ", "pub "];
     let code = line.trim_start();
-    let code = visible.iter().find_map(|v| code.strip_prefix(v)).unwrap_or(code);
+    let code = visible
+        .iter()
+        .find_map(|v| code.strip_prefix(v))
+        .unwrap_or(code);
     let name = code.strip_prefix("fn ").unwrap_or_default();
     let kinds = [
         "intersect_",
