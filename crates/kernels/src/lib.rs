@@ -120,8 +120,9 @@ pub use raster::{
 pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};
 pub use simd::{
-    LANES, Lanes, PairLanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit,
-    triangle_coordinates_each, triangle_coordinates_lanes, whole_vectors,
+    LANES, Lanes, NearTexels, PairLanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit,
+    lanes_within, run_starts, triangle_coordinates_each, triangle_coordinates_lanes, unit_normals,
+    whole_vectors,
 };
 pub use sphere::{Sphere, intersect_sphere};
 pub use surface::{Surface, intersect_surface};

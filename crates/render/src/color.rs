@@ -105,7 +105,8 @@ impl SrgbEncoder {
         inside.to_bits() - Self::LEAST.to_bits()
     }
 
-    /// [`SrgbEncoder::encode`] of each value: bits in vectors, then the classes one by one, then bytes in vectors.
+    /// [`SrgbEncoder::encode`] of the colours of pixels, and their alpha as it is: bits in vectors, then the classes one by one, then bytes in
+    /// vectors.
     #[inline(always)]
     fn encode_all(&self, linear: &[f32], bytes: &mut [u8]) {
         let mut above = [0; 4 * BLOCK];
@@ -116,10 +117,23 @@ impl SrgbEncoder {
         for (class, above) in classes.iter_mut().zip(&above) {
             *class = self.classes[(above >> Self::SHIFT) as usize % Self::CLASSES];
         }
-        for ((byte, class), above) in bytes.iter_mut().zip(&classes).zip(&above) {
-            *byte = ((class + (above & ((1 << Self::SHIFT) - 1))) >> Self::SHIFT) as u8;
+        let codes = classes.iter().zip(&above);
+        for ((i, byte), ((class, above), linear)) in
+            bytes.iter_mut().enumerate().zip(codes.zip(linear))
+        {
+            let color = ((class + (above & ((1 << Self::SHIFT) - 1))) >> Self::SHIFT) as u8;
+            let alpha = alpha_byte(*linear);
+            *byte = if i % 4 == 3 { alpha } else { color };
         }
     }
+}
+
+/// The nearest byte of an alpha; that of NaN is 0. The compiler's own conversion takes one number at a time.
+#[inline(always)]
+fn alpha_byte(alpha: f32) -> u8 {
+    const UNIT_STEPS: f32 = 8_388_608.0;
+    let inside = if alpha > 0.0 { alpha.min(1.0) } else { 0.0 };
+    ((inside * 255.0 + 0.5).floor() + UNIT_STEPS).to_bits() as u8
 }
 
 /// The least linear values whose nearest bytes are 1 to 255.
@@ -127,21 +141,24 @@ fn srgb_bounds() -> [f32; 255] {
     std::array::from_fn(|i| decode_srgb((i as f64 + 0.5) / 255.0))
 }
 
-/// Brings a linear picture to sRGB bytes with alpha: exposure in stops (each doubles the light), tone curve, transfer curve.
-pub fn develop(image: &Image, exposure: f32, tonemap: Tonemap) -> Vec<[u8; 4]> {
-    let mut bytes = Vec::new();
-    develop_into(image, exposure, tonemap, &mut bytes);
-    bytes
+/// How a linear picture becomes bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Development {
+    /// In stops: each doubles the light.
+    pub exposure: f32,
+    /// The tone curve.
+    pub tonemap: Tonemap,
 }
 
-/// [`develop`] into the memory of a former picture.
-pub fn develop_into(image: &Image, exposure: f32, tonemap: Tonemap, bytes: &mut Vec<[u8; 4]>) {
-    let gain = exposure.exp2();
-    bytes.resize(image.pixels.len(), [0; 4]);
+/// Brings a linear picture to sRGB bytes with alpha: exposure in stops (each doubles the light), tone curve, transfer curve.
+pub fn develop(image: &Image, exposure: f32, tonemap: Tonemap) -> Vec<[u8; 4]> {
+    let mut bytes = vec![[0; 4]; image.pixels.len()];
+    let development = Development { exposure, tonemap };
     let shares = bytes.par_chunks_mut(SHARE);
     shares
         .zip(image.pixels.par_chunks(SHARE))
-        .for_each(|(bytes, pixels)| develop_share(pixels, gain, tonemap, bytes));
+        .for_each(|(bytes, pixels)| development.develop(pixels, bytes));
+    bytes
 }
 
 /// Pixels that one thread develops.
@@ -149,31 +166,33 @@ const SHARE: usize = 4096;
 /// Pixels at a time.
 const BLOCK: usize = 32;
 
-fn develop_share(pixels: &[[f32; 4]], gain: f32, tonemap: Tonemap, bytes: &mut [[u8; 4]]) {
-    let encoder = SrgbEncoder::get();
-    let mut block = [[0.0; 4]; BLOCK];
-    for (bytes, pixels) in bytes.chunks_mut(BLOCK).zip(pixels.chunks(BLOCK)) {
-        block[..pixels.len()].copy_from_slice(pixels);
-        if tonemap != Tonemap::Linear {
-            for pixel in &mut block[..pixels.len()] {
-                let [r, g, b, a] = *pixel;
-                let color = apply_tonemap(Vec3::new(r, g, b) * gain, tonemap);
-                *pixel = color.extend(a).to_array();
-            }
-        } else if gain != 1.0 {
-            for channel in block.as_flattened_mut() {
-                *channel *= gain;
-            }
+impl Development {
+    /// Develops pixels on this thread; both slices have one length.
+    pub(crate) fn develop(&self, pixels: &[[f32; 4]], bytes: &mut [[u8; 4]]) {
+        let encoder = SrgbEncoder::get();
+        let gain = self.exposure.exp2();
+        let mut block = [[0.0; 4]; BLOCK];
+        for (bytes, pixels) in bytes.chunks_mut(BLOCK).zip(pixels.chunks(BLOCK)) {
+            block[..pixels.len()].copy_from_slice(pixels);
+            self.expose(gain, &mut block[..pixels.len()]);
+            let mut coded = [[0; 4]; BLOCK];
+            VectorUnit::default().run(
+                #[inline(always)]
+                || encoder.encode_all(block.as_flattened(), coded.as_flattened_mut()),
+            );
+            bytes.copy_from_slice(&coded[..pixels.len()]);
         }
-        let mut coded = [[0; 4]; BLOCK];
-        VectorUnit::default().run(
-            #[inline(always)]
-            || encoder.encode_all(block.as_flattened(), coded.as_flattened_mut()),
-        );
-        for (coded, pixel) in coded.iter_mut().zip(pixels) {
-            coded[3] = (pixel[3].clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+    }
+
+    fn expose(&self, gain: f32, pixels: &mut [[f32; 4]]) {
+        if self.tonemap == Tonemap::Linear && gain == 1.0 {
+            return;
         }
-        bytes.copy_from_slice(&coded[..pixels.len()]);
+        for pixel in pixels {
+            let [r, g, b, a] = *pixel;
+            let color = apply_tonemap(Vec3::new(r, g, b) * gain, self.tonemap);
+            *pixel = color.extend(a).to_array();
+        }
     }
 }
 

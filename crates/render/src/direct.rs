@@ -23,8 +23,15 @@ pub trait Visibility {
 /// Its function is called within [`VectorUnit::run`](umbriel_kernels::VectorUnit::run), and is to be `#[inline(always)]`.
 pub(crate) trait VisibilityLanes {
     /// The fraction of the light with this position in [`Scene::lights`](crate::Scene::lights) that arrives at each of
-    /// `surfaces`. Lanes that do not reflect the light, and those behind the last surface, may be given any number.
-    fn fractions(&mut self, light: usize, surfaces: &SurfaceLanes, fractions: &mut Lanes);
+    /// `surfaces`. Lanes that reflect no greater `share` of the light than [`LEAST_SHARE`], and those behind the last surface, may be given any
+    /// number.
+    fn fractions(
+        &mut self,
+        light: usize,
+        surfaces: &SurfaceLanes,
+        share: &Lanes,
+        fractions: &mut Lanes,
+    );
 }
 
 /// Light on its way to the film, should nothing stand between surface and light.
@@ -162,7 +169,7 @@ impl LitLanes {
 
 /// Light of which a surface reflects less than this is left out: a 65,536th of what a white diffuse surface reflects
 /// when it faces the light. Most of the tail of a highlight on glass is below.
-const LEAST_SHARE: f32 = FRAC_1_PI / 65_536.0;
+pub(crate) const LEAST_SHARE: f32 = FRAC_1_PI / 65_536.0;
 
 /// The lit surfaces of one round, waiting for the answers of one batch of visibility questions.
 #[derive(Debug, Default)]
@@ -209,8 +216,8 @@ impl DirectLight {
         }
     }
 
-    /// Adds what surfaces reflect of each light to their samples' radiance at once: [`DirectLight::add`] and
-    /// [`DirectLight::resolve`] in one, where no ray need be sent.
+    /// Calls `add` with what surfaces reflect of each light at once: [`DirectLight::add`] and [`DirectLight::resolve`] in one, where no ray
+    /// need be sent.
     ///
     /// Gives the same sums to the bit where each sample has one ray in the queue, as it has without mirrored and refracted
     /// rays; otherwise the order is another, that of the blocks.
@@ -221,7 +228,7 @@ impl DirectLight {
         surfaces: &SurfaceLanes,
         seen: &SeenLanes,
         visibility: &mut impl VisibilityLanes,
-        radiance: &mut [Vec3],
+        mut add: impl FnMut(&Vec3Lanes),
     ) {
         if is_mirror(surfaces) {
             return;
@@ -240,9 +247,9 @@ impl DirectLight {
                 continue;
             }
             self.shadow_rays += u64::from(questions);
-            visibility.fractions(number, surfaces, &mut lit.fraction);
+            visibility.fractions(number, surfaces, &lit.share, &mut lit.fraction);
             lit.arrive(surfaces.len);
-            seen.add(&lit.radiance, surfaces.len, radiance);
+            add(&lit.radiance);
         }
     }
 

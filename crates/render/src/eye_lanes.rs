@@ -1,141 +1,200 @@
-//! Pixels that see one mesh, shaded straight from the numbers of its triangles: no ray is stored.
+//! Patches of a rasterised tile, shaded straight from the numbers of their triangles: no ray is stored, no pixel is moved.
 
-use crate::{CameraFrame, Mesh, SceneBvh, shade_block::ShadeBlock};
+use crate::{CameraFrame, Environment, Mesh, shade_block::ShadeBlock};
 use umbriel_kernels::{
-    LANES, Lanes, Ray, Vec3Lanes, VectorUnit,
+    LANES, Ray, TileImage, Vec3Lanes, VectorUnit,
     glam::{Affine3A, Vec2, Vec3},
-    whole_vectors,
+    lanes_within,
 };
 
-/// Whole rows of a tile, and where their rays go through.
+/// 16 x 4 pixels of a tile, one a lane, see [`TileImage::patch_ids`].
 #[derive(Debug)]
-pub(crate) struct PixelRows<'a> {
+pub(crate) struct Patch<'a> {
     pub(crate) frame: &'a CameraFrame,
     /// Place of the samples in their pixels.
     pub(crate) place: Vec2,
-    /// First pixel.
+    /// The tile's first pixel.
     pub(crate) corner: [u32; 2],
-    /// Pixels in a row; at most 1024 pixels in all.
-    pub(crate) width: usize,
+    /// From the tile's first pixel to the patch's.
+    pub(crate) first: [u32; 2],
+    /// Pixels from there to the tile's ends.
+    pub(crate) room: [u32; 2],
     /// Numbers of the triangles that the pixels see; `u32::MAX` where there is nothing.
-    pub(crate) ids: &'a [u32],
+    pub(crate) ids: &'a [u32; LANES],
 }
 
-/// A mesh that pixels see.
+/// An opaque mesh without normal texture, which needs no ray to be shaded.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SeenMesh<'a> {
     pub(crate) instance: u32,
     pub(crate) mesh: &'a Mesh,
     pub(crate) to_object: Option<&'a Affine3A>,
-    /// Number of the first triangle.
-    pub(crate) first_id: u32,
+    /// Number of the first triangle, and that behind the last one.
+    pub(crate) ids: [u32; 2],
 }
 
-/// Pixels of some rows, sorted by whether they see anything; and the rays of up to [`LANES`] of them.
+/// The rays of a patch, and the light that comes along them.
 #[derive(Debug, Default)]
 pub(crate) struct EyeLanes {
-    /// What sees a mesh, then what sees the sky.
-    pub(crate) pixels: [Vec<u32>; 2],
     origin: Vec3Lanes,
     pub(crate) dir: Vec3Lanes,
     object_origin: Vec3Lanes,
     object_dir: Vec3Lanes,
+    /// From the mesh that is shaded.
+    pub(crate) sum: Vec3Lanes,
+    pub(crate) radiance: Vec3Lanes,
+}
+
+impl Patch<'_> {
+    /// The lanes within the tile, the first one in the lowest bit.
+    #[inline(always)]
+    fn inside(&self) -> u64 {
+        let [width, height] = self.room;
+        if width >= TileImage::PATCH[0] && height >= TileImage::PATCH[1] {
+            return u64::MAX;
+        }
+        self.inside_edge()
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn inside_edge(&self) -> u64 {
+        let [width, height] = self.room;
+        self.lanes(
+            #[inline(always)]
+            |i| {
+                let [x, y] = TileImage::place_in_patch(i);
+                (x as u32) < width && (y as u32) < height
+            },
+        )
+    }
+
+    #[inline(always)]
+    fn lanes(&self, holds: impl Fn(usize) -> bool) -> u64 {
+        (0..LANES).fold(
+            0,
+            #[inline(always)]
+            |lanes, i| lanes | u64::from(holds(i)) << i,
+        )
+    }
 }
 
 impl EyeLanes {
-    /// Sorts the pixels.
-    pub(crate) fn sort(&mut self, ids: &[u32]) {
-        let mut len = [0; 2];
-        for pixels in &mut self.pixels {
-            pixels.resize(ids.len(), 0);
-        }
-        let [meshes, skies] = &mut self.pixels;
-        // Free of branches, which would be guessed wrong at silhouettes.
-        for (pixel, &id) in (0..).zip(ids) {
-            (meshes[len[0]], skies[len[1]]) = (pixel, pixel);
-            len[usize::from(id == u32::MAX)] += 1;
-        }
-        meshes.truncate(len[0]);
-        skies.truncate(len[1]);
-    }
-
-    /// Sets the rays of at most [`LANES`] pixels. To be called within [`VectorUnit::run`].
+    /// Sets the rays of a patch. To be called within [`VectorUnit::run`].
     #[inline(always)]
-    pub(crate) fn aim(&mut self, rows: &PixelRows, pixels: &[u32]) {
-        let (mut x, mut y): (Lanes, Lanes) = ([0.0; LANES], [0.0; LANES]);
-        let per_width = 1.0 / rows.width as f32;
-        let [left, top] = rows.corner;
-        for (i, &pixel) in pixels.iter().enumerate().take(LANES) {
-            // Exact for the few pixels that there are.
-            let row = ((pixel as f32 + 0.5) * per_width) as i32;
-            let column = pixel as i32 - row * rows.width as i32;
-            x[i] = left as f32 + rows.place.x + column as f32;
-            y[i] = (top as i32 + row) as f32 + rows.place.y;
-        }
-        for i in 0..whole_vectors(pixels.len()) {
-            let ray = rows.frame.ray(Vec2::new(x[i], y[i]));
+    pub(crate) fn aim(&mut self, patch: &Patch) {
+        let [left, top] = patch.corner;
+        let [first_x, first_y] = patch.first;
+        let start = left as f32 + patch.place.x;
+        for i in 0..LANES {
+            let [x, y] = TileImage::place_in_patch(i);
+            // Rounded as [`EyeRaster`](crate::eye_raster::EyeRaster) does it for rows.
+            let x = start + (first_x + x as u32) as f32;
+            let y = (top + first_y + y as u32) as f32 + patch.place.y;
+            let ray = patch.frame.ray(Vec2::new(x, y));
             self.origin.set(i, ray.origin);
             self.dir.set(i, ray.dir);
         }
     }
 
-    /// Sets the surfaces of a block to those that at most [`LANES`] pixels see. Gives the lanes that do see any, the first one in the lowest bit.
+    /// Sets the surfaces of a block to those of a mesh that the pixels see. Gives the lanes that do see it, the first one in the lowest bit.
     pub(crate) fn meet(
         &mut self,
         unit: VectorUnit,
-        rows: &PixelRows,
+        patch: &Patch,
         seen: &SeenMesh,
-        pixels: &[u32],
         block: &mut ShadeBlock,
     ) -> u64 {
+        let [first, end] = seen.ids;
+        let members = lanes_within(unit, patch.ids, first, end) & patch.inside();
         unit.run(
             #[inline(always)]
             || {
-                self.aim(rows, pixels);
-                let triangles = pixels.iter().map(|&p| rows.ids[p as usize] - seen.first_id);
-                block.surfaces.gather(seen.mesh, triangles);
+                // Other lanes get a triangle of the mesh, too.
+                let any = patch.ids.iter().fold(
+                    end - 1,
+                    #[inline(always)]
+                    |any, &id| if id >= first { any.min(id) } else { any },
+                );
+                let triangle = |&id: &u32| if id >= first && id < end { id } else { any } - first;
+                block
+                    .surfaces
+                    .gather(seen.mesh, patch.ids.iter().map(triangle));
             },
         );
         let (origin, dir) = match seen.to_object {
             None => (&self.origin, &self.dir),
             Some(to_object) => {
-                self.transform(to_object, pixels.len());
+                self.transform(to_object);
                 (&self.object_origin, &self.object_dir)
             }
         };
-        block.surfaces.mesh.meet(unit, pixels.len(), origin, dir)
+        members & block.surfaces.mesh.meet(unit, LANES, origin, dir)
     }
 
-    fn transform(&mut self, to_object: &Affine3A, len: usize) {
-        for i in 0..len.min(LANES) {
+    fn transform(&mut self, to_object: &Affine3A) {
+        for i in 0..LANES {
             let ray = Ray::new(self.origin.get(i), self.dir.get(i)).transformed(to_object);
             self.object_origin.set(i, ray.origin);
             self.object_dir.set(i, ray.dir);
         }
     }
 
-    /// Gives the pixels of the rows that see nothing the sky's radiance.
-    pub(crate) fn see_sky(
-        &mut self,
-        unit: VectorUnit,
-        bvh: &SceneBvh,
-        rows: &PixelRows,
-        radiance: &mut [Vec3],
-    ) {
-        let environment = &bvh.scene().environment;
-        let skies = std::mem::take(&mut self.pixels[1]);
-        for pixels in skies.chunks(LANES) {
-            unit.run(
-                #[inline(always)]
-                || {
-                    self.aim(rows, pixels);
-                    for (i, &pixel) in pixels.iter().enumerate().take(LANES) {
-                        let sky = environment.radiance(self.dir.get(i));
-                        radiance[pixel as usize] = Vec3::ZERO + sky;
-                    }
-                },
-            );
+    /// Takes the sum over for the lanes of a mask. To be called within [`VectorUnit::run`].
+    #[inline(always)]
+    pub(crate) fn take(&mut self, lanes: u64) {
+        for i in 0..LANES {
+            let there = self.radiance.get(i);
+            let is_taken = lanes >> i & 1 == 1;
+            self.radiance
+                .set(i, if is_taken { self.sum.get(i) } else { there });
         }
-        self.pixels[1] = skies;
+    }
+
+    /// Gives the lanes of a mask the sky's radiance. To be called within [`VectorUnit::run`].
+    #[inline(always)]
+    pub(crate) fn see_sky(&mut self, environment: &Environment, lanes: u64) {
+        for i in 0..LANES {
+            let sky = environment.radiance(self.dir.get(i));
+            self.sum.set(i, Vec3::ZERO + sky);
+        }
+        self.take(lanes);
+    }
+
+    /// Turns what is not finite black, and counts it within the tile. To be called within [`VectorUnit::run`].
+    #[inline(always)]
+    pub(crate) fn drop_bad(&mut self, patch: &Patch) -> u64 {
+        let mut bad = [0_u32; LANES];
+        for (i, bad) in bad.iter_mut().enumerate() {
+            let radiance = self.radiance.get(i);
+            let is_bad = !radiance.is_finite();
+            *bad = u32::from(is_bad);
+            self.radiance
+                .set(i, if is_bad { Vec3::ZERO } else { radiance });
+        }
+        if bad.iter().fold(0, |any, bad| any | bad) == 0 {
+            return 0;
+        }
+        let lanes = patch.lanes(|i| bad[i] != 0);
+        u64::from((lanes & patch.inside()).count_ones())
+    }
+
+    /// Adds the radiance to the pixels of a patch of the picture, up to four rows from its first pixel on; a first sample takes the place of what
+    /// was there before. To be called within [`VectorUnit::run`].
+    #[inline(always)]
+    pub(crate) fn write<'p>(&self, is_first: bool, rows: impl Iterator<Item = &'p mut [[f32; 4]]>) {
+        for (y, row) in rows.enumerate().take(TileImage::PATCH[1] as usize) {
+            for (block, pixels) in row.chunks_mut(4).enumerate().take(4) {
+                for (x, pixel) in pixels.iter_mut().enumerate() {
+                    let sample = self.radiance.get(16 * block + 4 * y + x);
+                    let sum = if is_first {
+                        sample
+                    } else {
+                        sample + Vec3::new(pixel[0], pixel[1], pixel[2])
+                    };
+                    *pixel = sum.extend(1.0).to_array();
+                }
+            }
+        }
     }
 }

@@ -1,15 +1,16 @@
 //! Pass 2A: what each pixel sees, by rasterisation.
 
 use crate::{
-    AlphaMode, Camera, CameraFrame, Geometry, InstanceId, Projection, SceneBvh,
-    eye_lanes::{PixelRows, SeenMesh},
+    AlphaMode, Camera, CameraFrame, Geometry, InstanceId, Projection, Scene, SceneBvh,
+    eye_lanes::{Patch, SeenMesh},
+    eye_solid::EyeSolid,
     scene_draws::{SceneDraws, find, first_ids},
-    shadow_map::{LightView, covered},
-    surface::alpha_at,
+    shadow_map::LightView,
+    trace::Tracer,
 };
 use std::ops::Range;
 use umbriel_kernels::{
-    Hit, LANES, Raster, Ray, SurfaceList, TileImage, Triangle, TriangleHit, VectorUnit,
+    Hit, LANES, Raster, Ray, TileImage, Triangle, TriangleHit, VectorUnit,
     glam::{Affine3A, DMat3, Mat4, Vec2, Vec3},
     triangle_coordinates_each,
 };
@@ -32,19 +33,9 @@ pub(crate) struct EyeRaster<'a> {
     size: [u32; 2],
     draws: SceneDraws<'a>,
     first_ids: Vec<u32>,
-    solids: Vec<Solid>,
-}
-
-/// An analytic surface and the pixels it may cover.
-#[derive(Debug)]
-struct Solid {
-    instance: u32,
-    list: SurfaceList,
-    to_object: Option<Affine3A>,
-    /// Alpha below which it has holes.
-    cutoff: Option<f32>,
-    /// `x0, y0` (included), `x1, y1` (excluded).
-    rect: [u32; 4],
+    solids: Vec<EyeSolid>,
+    /// Of each instance that needs no rays to be shaded.
+    plain: Vec<Option<SeenMesh<'a>>>,
 }
 
 /// Rays, each with the triangle that was drawn at its pixel.
@@ -87,9 +78,11 @@ impl Drawn {
 #[derive(Debug, Default)]
 pub(crate) struct Seen {
     drawn: Drawn,
-    /// The rays of the pixels, row by row, and what they see.
-    pub(crate) rays: Vec<Ray>,
-    pub(crate) hits: Vec<Option<Hit>>,
+    /// Of the pixels, row by row.
+    ids: Vec<u32>,
+    rays: Vec<Ray>,
+    hits: Vec<Option<Hit>>,
+    radiance: Vec<Vec3>,
 }
 
 impl<'a> EyeRaster<'a> {
@@ -109,30 +102,18 @@ impl<'a> EyeRaster<'a> {
             let (origin, matrix) = view.clip(to_world);
             (origin, to_picture * matrix)
         };
-        let cutoff =
-            |i: usize| match scene.materials[scene.instances[i].material.index()].alpha_mode {
-                AlphaMode::Mask { cutoff } => Some(cutoff),
-                AlphaMode::Opaque | AlphaMode::Blend => None,
-            };
-        let solid = |i: usize| {
-            let Geometry::Surface(id) = scene.instances[i].geometry else {
-                return None;
-            };
-            Some(Solid {
-                instance: i as u32,
-                list: SurfaceList::new(vec![(i as u32, scene.surfaces[id.index()].clone())]),
-                to_object: bvh.to_object(InstanceId(i as u32)).copied(),
-                cutoff: cutoff(i),
-                rect: covered(&view, bvh, i, size),
-            })
-        };
         Self {
             bvh,
             frame: camera.frame(size),
             place,
             size,
-            draws: SceneDraws::new(bvh, &first_ids, clip, |i| Some(cutoff(i))),
-            solids: (0..scene.instances.len()).filter_map(solid).collect(),
+            plain: (0..scene.instances.len())
+                .map(|i| plain(bvh, i, [first_ids[i], first_ids[i + 1]]))
+                .collect(),
+            draws: SceneDraws::new(bvh, &first_ids, clip, |i| Some(cutoff(scene, i))),
+            solids: (0..scene.instances.len())
+                .filter_map(|i| EyeSolid::new(bvh, &view, i, size, cutoff(scene, i)))
+                .collect(),
             first_ids,
         }
     }
@@ -142,6 +123,12 @@ impl<'a> EyeRaster<'a> {
         Raster::new(self.size, TILE, least_w, &self.draws.draws)
     }
 
+    /// Takes the general way everywhere.
+    #[cfg(test)]
+    pub(crate) fn forget_plain(&mut self) {
+        self.plain.fill(None);
+    }
+
     /// Draws the triangles of one tile.
     pub(crate) fn draw(&self, raster: &Raster, number: usize, tile: &mut TileImage) {
         let scene = self.bvh.scene();
@@ -149,8 +136,30 @@ impl<'a> EyeRaster<'a> {
         raster.draw_tile(number, Some(&keep), tile);
     }
 
+    /// The radiance of the pixels of `rect`, whole rows of a drawn tile.
+    pub(crate) fn trace<'s>(
+        &self,
+        tracer: &mut Tracer,
+        rect: [u32; 4],
+        tile: &TileImage,
+        seen: &'s mut Seen,
+    ) -> &'s [Vec3] {
+        let [x0, y0, x1, y1] = rect;
+        let width = (x1 - x0) as usize;
+        let mut ids = std::mem::take(&mut seen.ids);
+        ids.resize(width * (y1 - y0) as usize, 0);
+        for (row, y) in ids.chunks_mut(width).zip(y0..y1) {
+            tile.row_ids((y - tile.rect[1]) as usize, row);
+        }
+        self.see(rect, &ids, seen);
+        seen.radiance.resize(ids.len(), Vec3::ZERO);
+        seen.ids = ids;
+        tracer.trace_seen(&seen.rays, &seen.hits, &mut seen.radiance);
+        &seen.radiance
+    }
+
     /// What the pixels of `rect`, whole rows of a drawn tile, see; `ids` are the numbers of the triangles drawn there.
-    pub(crate) fn see(&self, rect: [u32; 4], ids: &[u32], seen: &mut Seen) {
+    fn see(&self, rect: [u32; 4], ids: &[u32], seen: &mut Seen) {
         let [x0, y0, x1, y1] = rect;
         seen.rays.clear();
         for y in y0..y1 {
@@ -167,63 +176,65 @@ impl<'a> EyeRaster<'a> {
         }
         seen.drawn.meet(&mut seen.hits, seen.rays.len());
         for solid in &self.solids {
-            self.see_solid(solid, rect, seen);
+            solid.see(self.bvh.scene(), rect, &seen.rays, &mut seen.hits);
         }
     }
 
-    /// What the pixels of rows see if it is one opaque mesh without normal texture at most, and the sky; otherwise nothing.
-    pub(crate) fn one_mesh(&self, rows: &PixelRows) -> Option<Option<SeenMesh<'_>>> {
-        let [x0, y0] = rows.corner;
-        let height = rows.ids.len().div_ceil(rows.width) as u32;
-        let [x1, y1] = [x0 + rows.width as u32, y0 + height];
-        let is_near = |solid: &Solid| {
-            let [l, t, r, b] = solid.rect;
-            l < x1 && r > x0 && t < y1 && b > y0
-        };
-        if self.solids.iter().any(is_near) {
-            return None;
-        }
-        let least = rows.ids.iter().fold(u32::MAX, |least, &id| least.min(id));
-        if least == u32::MAX {
-            return Some(None);
-        }
-        // Nothing has the number u32::MAX: it becomes 0.
-        let most = rows
-            .ids
-            .iter()
-            .fold(0, |most, &id| most.max(id.wrapping_add(1)));
-        let (instance, _) = find(&self.first_ids, least);
-        if find(&self.first_ids, most - 1).0 != instance {
-            return None;
-        }
-        let scene = self.bvh.scene();
-        let placed = &scene.instances[instance as usize];
-        let material = &scene.materials[placed.material.index()];
-        let Geometry::Mesh(mesh) = placed.geometry else {
-            return None;
-        };
-        let is_plain = material.alpha_mode != AlphaMode::Blend && material.normal_texture.is_none();
-        is_plain.then_some(Some(SeenMesh {
-            instance,
-            mesh: &scene.meshes[mesh.index()],
-            to_object: self.bvh.to_object(InstanceId(instance)),
-            first_id: self.first_ids[instance as usize],
-        }))
+    /// The mesh of the lowest number from `first` on among those of a patch. To be called within [`VectorUnit::run`].
+    #[inline(always)]
+    fn next_instance(&self, ids: &[u32; LANES], first: u32) -> Option<usize> {
+        let least = ids.iter().fold(
+            u32::MAX,
+            #[inline(always)]
+            |least, &id| least.min(if id >= first { id } else { u32::MAX }),
+        );
+        (least != u32::MAX).then(|| find(&self.first_ids, least).0 as usize)
     }
 
-    /// The rows of a drawn tile from `corner` on.
-    pub(crate) fn rows<'b>(
-        &'b self,
-        corner: [u32; 2],
-        width: usize,
-        ids: &'b [u32],
-    ) -> PixelRows<'b> {
-        PixelRows {
+    /// Calls `each` for the meshes that a patch shows, from the lowest number on. Gives false, at once, if they are not all plain.
+    pub(crate) fn for_meshes(
+        &self,
+        unit: VectorUnit,
+        ids: &[u32; LANES],
+        mut each: impl FnMut(&SeenMesh),
+    ) -> bool {
+        let mut first = 0;
+        while let Some(instance) = unit.run(
+            #[inline(always)]
+            || self.next_instance(ids, first),
+        ) {
+            let Some(mesh) = &self.plain[instance] else {
+                return false;
+            };
+            each(mesh);
+            first = mesh.ids[1];
+        }
+        true
+    }
+
+    /// Whether the pixels of `rect`, rows of patches of a drawn tile, show nothing but opaque meshes without normal textures, and the sky.
+    pub(crate) fn is_plain(&self, unit: VectorUnit, rect: [u32; 4], tile: &TileImage) -> bool {
+        let [x0, y0, x1, _] = rect;
+        if self.solids.iter().any(|solid| solid.is_near(rect)) {
+            return false;
+        }
+        let row = ((y0 - tile.rect[1]) / TileImage::PATCH[1]) as usize;
+        let mut columns = 0..(x1 - x0).div_ceil(TileImage::PATCH[0]) as usize;
+        columns.all(|column| self.for_meshes(unit, tile.patch_ids(column, row), |_| ()))
+    }
+
+    /// A patch of a drawn tile, its column and row given.
+    pub(crate) fn patch<'b>(&'b self, tile: &'b TileImage, column: usize, row: usize) -> Patch<'b> {
+        let [x0, y0, x1, y1] = tile.rect;
+        let [across, down] = TileImage::PATCH;
+        let first = [across * column as u32, down * row as u32];
+        Patch {
             frame: &self.frame,
             place: self.place,
-            corner,
-            width,
-            ids,
+            corner: [x0, y0],
+            first,
+            room: [x1 - x0 - first[0], y1 - y0 - first[1]],
+            ids: tile.patch_ids(column, row),
         }
     }
 
@@ -248,56 +259,31 @@ impl<'a> EyeRaster<'a> {
             drawn.pixels.push((pixel as u32, instance, primitive));
         }
     }
+}
 
-    /// Puts an analytic surface before what lies behind it.
-    fn see_solid(&self, solid: &Solid, [x0, y0, x1, y1]: [u32; 4], seen: &mut Seen) {
-        let [left, top, right, bottom] = solid.rect;
-        let (left, right) = (left.max(x0), right.min(x1));
-        let mut rays = [Ray::new(Vec3::ZERO, Vec3::Z); LANES];
-        let mut hits = [None; LANES];
-        for y in top.max(y0)..bottom.min(y1) {
-            for start in (left..right).step_by(LANES) {
-                let len = (right - start).min(LANES as u32) as usize;
-                let first = ((y - y0) * (x1 - x0) + start - x0) as usize;
-                for (ray, world) in rays.iter_mut().zip(&seen.rays[first..first + len]) {
-                    *ray = solid.to_object.map_or(*world, |m| world.transformed(&m));
-                }
-                solid.list.closest(&rays[..len], &mut hits[..len]);
-                for i in 0..len {
-                    let found = self.there(solid, &rays[i], hits[i]);
-                    let before = &mut seen.hits[first + i];
-                    if let Some(hit) = found
-                        && before.is_none_or(|b| (hit.t, hit.instance) < (b.t, b.instance))
-                    {
-                        *before = Some(hit);
-                    }
-                }
-            }
-        }
+/// The alpha below which an instance has holes; none where it has none.
+fn cutoff(scene: &Scene, instance: usize) -> Option<f32> {
+    match scene.materials[scene.instances[instance].material.index()].alpha_mode {
+        AlphaMode::Mask { cutoff } => Some(cutoff),
+        AlphaMode::Opaque | AlphaMode::Blend => None,
     }
+}
 
-    /// The first hit of an object-space ray that is no hole.
-    fn there(&self, solid: &Solid, ray: &Ray, hit: Option<Hit>) -> Option<Hit> {
-        let Some(cutoff) = solid.cutoff else {
-            return hit;
-        };
-        let mut hit = hit?;
-        // A ray meets a torus four times, and nothing more often.
-        for _ in 0..8 {
-            if alpha_at(self.bvh.scene(), ray, &hit) >= cutoff {
-                return Some(Hit {
-                    instance: solid.instance,
-                    ..hit
-                });
-            }
-            let mut rest = *ray;
-            rest.t.min = hit.t;
-            let mut next = [None];
-            solid.list.closest(&[rest], &mut next);
-            hit = next[0]?;
-        }
-        None
-    }
+/// The mesh of an instance if it is opaque and has no normal texture; `ids` are its numbers.
+fn plain<'a>(bvh: &'a SceneBvh, instance: usize, ids: [u32; 2]) -> Option<SeenMesh<'a>> {
+    let scene = bvh.scene();
+    let placed = &scene.instances[instance];
+    let material = &scene.materials[placed.material.index()];
+    let Geometry::Mesh(mesh) = placed.geometry else {
+        return None;
+    };
+    let is_plain = material.alpha_mode != AlphaMode::Blend && material.normal_texture.is_none();
+    is_plain.then(|| SeenMesh {
+        instance: instance as u32,
+        mesh: &scene.meshes[mesh.index()],
+        to_object: bvh.to_object(InstanceId(instance as u32)),
+        ids,
+    })
 }
 
 /// Pushes the rays of a row of pixels, the first of which goes through `place`.

@@ -45,6 +45,7 @@ mod direct;
 mod environment;
 mod eye_lanes;
 mod eye_raster;
+mod eye_solid;
 mod film;
 mod fresnel;
 mod hit_groups;
@@ -80,7 +81,7 @@ pub use aov::render_aovs;
 pub use bsdf::{Bsdf, albedo_ggx, eval_diffuse, eval_ggx};
 pub use camera::{Camera, CameraFrame, Projection};
 pub use color::{
-    LUMINANCE, Tonemap, auto_exposure, develop, develop_into, linear_to_srgb, srgb_to_linear,
+    Development, LUMINANCE, Tonemap, auto_exposure, develop, linear_to_srgb, srgb_to_linear,
 };
 pub use compare::{Comparison, compare, difference_picture};
 pub use direct::Visibility;
@@ -92,7 +93,7 @@ pub use image::{Aov, Image, Layer};
 pub use light::{DirectionalLight, Light, LightSample, PointLight, SpotLight};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use mesh::Mesh;
-pub use render::{Control, render, render_with_maps, render_with_maps_into};
+pub use render::{Control, render, render_bytes_into, render_with_maps};
 pub use sampler::sample_pixel;
 pub use scene::{Geometry, Instance, Scene};
 pub use scene_bvh::SceneBvh;

@@ -6,8 +6,8 @@ use crate::{
     surface::{Place, side_of},
 };
 use umbriel_kernels::{
-    Hit, LANES, Lanes, PairLanes, Triangle, Vec3Lanes, VectorUnit, glam::Vec3,
-    triangle_coordinates_lanes, whole_vectors,
+    Hit, LANES, Lanes, PairLanes, Vec3Lanes, VectorUnit, glam::Vec3, run_starts,
+    triangle_coordinates_lanes, unit_normals,
 };
 
 /// The corners of a triangle are written to this many lanes at once: one store is as cheap as a single lane's, and
@@ -28,11 +28,6 @@ impl SplatLanes {
     #[inline(always)]
     fn get(&self, i: usize) -> Vec3 {
         Vec3::new(self.0[0][i], self.0[1][i], self.0[2][i])
-    }
-
-    #[inline(always)]
-    fn set(&mut self, i: usize, value: Vec3) {
-        (self.0[0][i], self.0[1][i], self.0[2][i]) = (value.x, value.y, value.z);
     }
 
     #[inline(always)]
@@ -60,29 +55,20 @@ fn corners_of(lanes: &CornerLanes, i: usize) -> [Vec3; 3] {
     [lanes[0].get(i), lanes[1].get(i), lanes[2].get(i)]
 }
 
-/// The lanes where another triangle begins than that of the lane before, or another [`SPLAT`] lanes.
-struct Starts {
-    lanes: [u8; LANES],
-    len: usize,
-}
+/// The lanes where another [`SPLAT`] lanes begin.
+const SPLATS: u64 = u64::MAX / ((1 << SPLAT) - 1);
 
-impl Starts {
-    /// Of at most [`LANES`] triangles. Free of branches, which would be guessed wrong at every other triangle.
-    #[inline(always)]
-    fn new(triangles: &[u32]) -> Self {
-        let (mut lanes, mut len) = ([0; LANES], 0);
-        for (i, triangle) in triangles.iter().enumerate() {
-            let is_start = (i % SPLAT == 0) | (*triangle != triangles[i.saturating_sub(1)]);
-            lanes[len] = i as u8;
-            len += usize::from(is_start);
-        }
-        Self { lanes, len }
-    }
-
-    #[inline(always)]
-    fn iter(&self) -> std::slice::Iter<'_, u8> {
-        self.lanes[..self.len].iter()
-    }
+/// The lanes of a mask, one after the other.
+#[inline(always)]
+fn lanes_of(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(
+        #[inline(always)]
+        move || {
+            let lane = mask.trailing_zeros() as usize;
+            mask &= mask.wrapping_sub(1);
+            (lane < LANES).then_some(lane)
+        },
+    )
 }
 
 /// The triangles of many hits on one mesh.
@@ -90,6 +76,7 @@ impl Starts {
 /// Its functions are to be called within [`VectorUnit::run`](umbriel_kernels::VectorUnit::run).
 #[derive(Debug)]
 pub(crate) struct MeshLanes {
+    unit: VectorUnit,
     triangles: [u32; LANES],
     u: Lanes,
     v: Lanes,
@@ -98,17 +85,23 @@ pub(crate) struct MeshLanes {
     normals: CornerLanes,
     /// Of the triangles.
     ng: SplatLanes,
+    /// The corners, component by component, and the normals of the runs of lanes of one triangle, one a lane.
+    corners: [[Lanes; 3]; 3],
+    unit_normals: Vec3Lanes,
 }
 
 impl Default for MeshLanes {
     fn default() -> Self {
         Self {
+            unit: VectorUnit::default(),
             triangles: [0; LANES],
             u: [0.0; LANES],
             v: [0.0; LANES],
             positions: CornerLanes::default(),
             normals: CornerLanes::default(),
             ng: SplatLanes::default(),
+            corners: [[[0.0; LANES]; 3]; 3],
+            unit_normals: Vec3Lanes::default(),
         }
     }
 }
@@ -154,12 +147,19 @@ impl MeshLanes {
     /// Collects what the triangles of the first `len` lanes have at their corners.
     #[inline(always)]
     pub(crate) fn gather(&mut self, mesh: &Mesh, len: usize) {
-        let starts = Starts::new(&self.triangles[..len.min(LANES)]);
-        for &start in starts.iter() {
-            let start = usize::from(start);
+        let used = u64::MAX >> (LANES - len.clamp(1, LANES));
+        let starts = (run_starts(self.unit, &self.triangles) | SPLATS) & used;
+        for (k, start) in lanes_of(starts).enumerate() {
             let corners = mesh.indices[self.triangles[start] as usize].map(|k| k as usize);
-            for (lanes, corner) in self.positions.iter_mut().zip(corners) {
-                lanes.splat(start, mesh.positions[corner]);
+            for ((lanes, [x, y, z]), corner) in self
+                .positions
+                .iter_mut()
+                .zip(&mut self.corners)
+                .zip(corners)
+            {
+                let p = mesh.positions[corner];
+                lanes.splat(start, p);
+                (x[k], y[k], z[k]) = p.into();
             }
             if !mesh.normals.is_empty() {
                 for (lanes, corner) in self.normals.iter_mut().zip(corners) {
@@ -167,23 +167,11 @@ impl MeshLanes {
                 }
             }
         }
-        // A division in f64 takes as long for one number as for two.
-        if 4 * starts.len <= len {
-            for &start in starts.iter() {
-                let start = usize::from(start);
-                self.ng.splat(start, self.unit_normal(start));
-            }
-        } else {
-            for i in 0..whole_vectors(len) {
-                self.ng.set(i, self.unit_normal(i));
-            }
+        let runs = starts.count_ones() as usize;
+        unit_normals(self.unit, &self.corners, runs, &mut self.unit_normals);
+        for (k, start) in lanes_of(starts).enumerate() {
+            self.ng.splat(start, self.unit_normals.get(k));
         }
-    }
-
-    #[inline(always)]
-    fn unit_normal(&self, i: usize) -> Vec3 {
-        let [a, b, c] = corners_of(&self.positions, i);
-        Triangle { a, b, c }.unit_normal()
     }
 
     /// The place of lane `i` on a mesh without normals.

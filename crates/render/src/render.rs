@@ -1,8 +1,9 @@
 //! From a scene to a film: tiles on all threads, samples in each pixel.
 
 use crate::{
-    AlphaMode, Camera, CameraFrame, Film, Image, Method, Sampling, Scene, SceneBvh, Settings,
-    ShadowMaps, Stats, adaptive, eye_raster, raster_tiles, sampler::sample_pixel, trace::Tracer,
+    AlphaMode, Camera, CameraFrame, Development, Film, Image, Method, Sampling, Scene, SceneBvh,
+    Settings, ShadowMaps, Stats, adaptive, develop, eye_raster, raster_tiles,
+    sampler::sample_pixel, trace::Tracer,
 };
 use rayon::prelude::*;
 use std::sync::{
@@ -65,60 +66,61 @@ pub fn render_with_maps(
     maps: Option<&ShadowMaps>,
     control: &Control,
 ) -> Film {
+    let job = Job::new(camera, settings, control);
+    let raster_spp = raster_samples(bvh, camera, settings);
+    prepare(bvh, raster_spp);
+    let [width, height] = settings.resolution.map(|side| side as usize);
+    // Fresh memory is zero without being touched.
+    let mut pixels = vec![[0.0; 4]; width * height];
+    let stats = match raster_spp {
+        Some(spp) => raster_tiles::render(bvh, camera, maps, &job, spp, &mut pixels),
+        None => render_bands(bvh, maps, &job, &mut pixels),
+    };
     let image = Image {
-        width: 0,
-        height: 0,
-        pixels: Vec::new(),
+        width,
+        height,
+        pixels,
     };
-    let mut film = Film {
-        image,
-        stats: Stats::default(),
-    };
-    render_with_maps_into(bvh, camera, settings, maps, control, &mut film);
-    film
+    Film { image, stats }
 }
 
-/// [`render_with_maps`] into the memory of a former picture: fresh memory takes longer than most tiles.
-pub fn render_with_maps_into(
+/// [`render_with_maps`] and [`develop`](crate::develop) in one, into the memory of a former picture, without a film where none is needed: pictures of
+/// one sample a pixel by rasterisation are developed tile by tile while they are in the cache.
+pub fn render_bytes_into(
     bvh: &SceneBvh,
     camera: &Camera,
     settings: &Settings,
     maps: Option<&ShadowMaps>,
     control: &Control,
-    film: &mut Film,
-) {
-    let [width, height] = settings.resolution;
-    let [x0, y0, x1, y1] = settings.crop.unwrap_or([0, 0, width, height]);
-    let job = Job {
-        frame: camera.frame(settings.resolution),
-        settings,
-        control,
-        crop: [x0, y0, x1, y1],
-        done: AtomicU64::new(0),
-        total: u64::from(x1 - x0) * u64::from(y1 - y0),
+    development: &Development,
+    bytes: &mut Vec<[u8; 4]>,
+) -> Stats {
+    if raster_samples(bvh, camera, settings) != Some(1) || settings.crop.is_some() {
+        let film = render_with_maps(bvh, camera, settings, maps, control);
+        *bytes = develop(&film.image, development.exposure, development.tonemap);
+        return film.stats;
+    }
+    prepare(bvh, Some(1));
+    let [width, height] = settings.resolution.map(|side| side as usize);
+    bytes.resize(width * height, [0; 4]);
+    let job = Job::new(camera, settings, control);
+    raster_tiles::render_bytes(bvh, camera, maps, &job, development, bytes)
+}
+
+/// Samples a pixel of a picture that is rasterised.
+fn raster_samples(bvh: &SceneBvh, camera: &Camera, settings: &Settings) -> Option<u32> {
+    let spp = match settings.sampling {
+        Sampling::Fixed { spp } if settings.method == Method::ShadowMap => spp.max(1),
+        _ => return None,
     };
-    let raster_spp = match settings.sampling {
-        Sampling::Fixed { spp } if settings.method == Method::ShadowMap => Some(spp.max(1)),
-        _ => None,
-    };
-    let raster_spp = raster_spp.filter(|_| eye_raster::shows_all(bvh, camera));
-    // Not within the parallel tasks that will ask.
+    eye_raster::shows_all(bvh, camera).then_some(spp)
+}
+
+/// Builds the trees that rays need, and not within the parallel tasks that will ask.
+fn prepare(bvh: &SceneBvh, raster_spp: Option<u32>) {
     if raster_spp.is_none() || needs_rays(bvh.scene()) {
         bvh.build_trees();
     }
-    let len = width as usize * height as usize;
-    let image = &mut film.image;
-    (image.width, image.height) = (width as usize, height as usize);
-    // Whole pictures by rasterisation overwrite what was there.
-    if image.pixels.len() != len || settings.crop.is_some() || raster_spp.is_none() {
-        // Fresh memory is zero without being touched.
-        image.pixels = vec![[0.0; 4]; len];
-    }
-    let pixels = &mut image.pixels[..];
-    film.stats = match raster_spp {
-        Some(spp) => raster_tiles::render(bvh, camera, maps, &job, spp, pixels),
-        None => render_bands(bvh, maps, &job, pixels),
-    };
 }
 
 /// Whether rays go on from what the eye sees first.
@@ -167,7 +169,20 @@ pub(crate) struct Job<'a> {
     total: u64,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    pub(crate) fn new(camera: &Camera, settings: &'a Settings, control: &'a Control<'a>) -> Self {
+        let [width, height] = settings.resolution;
+        let [x0, y0, x1, y1] = settings.crop.unwrap_or([0, 0, width, height]);
+        Self {
+            frame: camera.frame(settings.resolution),
+            settings,
+            control,
+            crop: [x0, y0, x1, y1],
+            done: AtomicU64::new(0),
+            total: u64::from(x1 - x0) * u64::from(y1 - y0),
+        }
+    }
+
     /// Tells of the finished pixels of a rectangle `x0, y0` (included), `x1, y1` (excluded), and gives their number.
     pub(crate) fn count(&self, rect: [u32; 4]) -> u64 {
         let length = |low: usize, high: usize| {

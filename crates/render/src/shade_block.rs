@@ -88,14 +88,12 @@ impl ShadeBlock {
         }
     }
 
-    /// Says that the lanes, as many as there are surfaces, are seen by samples of their own with their full weight.
+    /// Says that the lanes of a mask, the first one in the lowest bit, are seen with their full weight, and the others not at all.
     #[inline(always)]
-    pub(crate) fn see(&mut self, samples: &[u32]) {
-        let len = self.surfaces.len;
-        self.seen.sample[..len].copy_from_slice(&samples[..len]);
-        for lane in 0..whole_vectors(len) {
-            let weight = if lane < len { Vec3::ONE } else { Vec3::ZERO };
-            self.seen.weight.set(lane, weight);
+    pub(crate) fn see(&mut self, lanes: u64) {
+        for lane in 0..LANES {
+            let weight = if lanes >> lane & 1 == 1 { 1.0 } else { 0.0 };
+            self.seen.weight.set(lane, Vec3::splat(weight));
         }
     }
 
@@ -121,13 +119,13 @@ impl ShadeBlock {
         }
     }
 
-    /// Adds the light that needs no further ray. Gives false if that is all there is.
+    /// Finds the light that needs no further ray, and calls `add` with it if there is any. Gives false if that is all there is.
     #[inline(always)]
     pub(crate) fn shade(
         &mut self,
         scene: &Scene,
         settings: &Settings,
-        radiance: &mut [Vec3],
+        add: impl FnOnce(&SeenLanes, &Vec3Lanes, usize),
     ) -> bool {
         let unlit = self.surfaces.is_unlit();
         let glows = |bsdf: &Bsdf| bsdf.emission != Vec3::ZERO;
@@ -155,7 +153,7 @@ impl ShadeBlock {
             };
             self.own.set(lane, self.seen.weight.get(lane) * own);
         }
-        self.seen.add(&self.own, self.surfaces.len, radiance);
+        add(&self.seen, &self.own, self.surfaces.len);
         !unlit
     }
 

@@ -5,7 +5,7 @@ use crate::{
     mesh_point::mesh_point,
 };
 use umbriel_kernels::{
-    Hit, Ray, gamma,
+    Hit, Ray, SurfaceList, gamma,
     glam::{Affine3A, Mat3, Vec2, Vec3, Vec4},
 };
 
@@ -98,18 +98,25 @@ pub fn surface_interaction(bvh: &SceneBvh, ray: &Ray, hit: &Hit) -> SurfaceInter
 /// Turns the normals to the side of `wo`; 1 if that is the outside or the front, −1 if not.
 #[inline(always)]
 pub(crate) fn face_viewer(place: Place, inside_out: bool, wo: Vec3) -> (Place, f32) {
+    let (place, side) = turn_to_viewer(place, inside_out, wo);
+    let ns = towards_viewer(place.ns, place.ng, wo);
+    (Place { ns, ..place }, side)
+}
+
+/// [`face_viewer`] but for shading normals that point away from the viewer.
+#[inline(always)]
+pub(crate) fn turn_to_viewer(place: Place, inside_out: bool, wo: Vec3) -> (Place, f32) {
     let outwards = if inside_out { -1.0 } else { 1.0 };
     let (ng, ns) = (outwards * place.ng, outwards * place.ns);
     let side = side_of(wo, ng);
     let (ng, ns) = (side * ng, side * ns);
-    let ns = towards_viewer(ns, ng, wo);
     (Place { ng, ns, ..place }, side)
 }
 
 /// The shading normal, or where it points away from the viewer, as it may near silhouettes of smooth meshes, the nearest
 /// direction that does not.
 #[inline(always)]
-fn towards_viewer(ns: Vec3, ng: Vec3, wo: Vec3) -> Vec3 {
+pub(crate) fn towards_viewer(ns: Vec3, ng: Vec3, wo: Vec3) -> Vec3 {
     let cos_o = ns.dot(wo);
     if cos_o >= 0.0 {
         return ns;
@@ -129,6 +136,28 @@ pub(crate) fn alpha_at(scene: &Scene, object_ray: &Ray, hit: &Hit) -> f32 {
     let material = &scene.materials[instance.material.index()];
     let point = object_point(scene, instance, object_ray, hit);
     material.alpha * point.color.w * sample(scene, &material.base_color_texture, &point.uvs).w
+}
+
+/// The first hit from `hit` on of an object-space ray with an analytic surface, alone in its list, where alpha is not below `cutoff`.
+pub(crate) fn first_opaque(
+    scene: &Scene,
+    surface: &SurfaceList,
+    ray: &Ray,
+    mut hit: Hit,
+    cutoff: f32,
+) -> Option<Hit> {
+    // A ray meets a torus four times, and nothing more often.
+    for _ in 0..8 {
+        if alpha_at(scene, ray, &hit) >= cutoff {
+            return Some(hit);
+        }
+        let mut rest = *ray;
+        rest.t.min = hit.t;
+        let mut next = [None];
+        surface.closest(&[rest], &mut next);
+        hit = next[0]?;
+    }
+    None
 }
 
 fn object_point(scene: &Scene, instance: &Instance, object_ray: &Ray, hit: &Hit) -> ObjectPoint {

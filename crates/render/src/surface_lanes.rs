@@ -5,8 +5,8 @@ use crate::{
     mesh_lanes::MeshLanes,
     mesh_point::{mesh_color, mesh_uvs},
     surface::{
-        Place, ToWorld, face_viewer, image_uv, material_at, side_of, surface_error,
-        surface_interaction,
+        Place, ToWorld, image_uv, material_at, side_of, surface_error, surface_interaction,
+        towards_viewer, turn_to_viewer,
     },
 };
 use umbriel_kernels::{
@@ -95,17 +95,7 @@ impl SurfaceLanes {
                 let surface = &scene.surfaces[id.index()];
                 self.settle(surface, hits, material.is_textured());
                 self.orient(placed.inside_out);
-                let uniform = !material.is_textured();
-                self.look_up(
-                    scene,
-                    material,
-                    uniform,
-                    #[inline(always)]
-                    |lanes, i| {
-                        let uv = image_uv(Vec2::new(lanes.points.u[i], lanes.points.v[i]));
-                        ([uv; 2], Vec4::ONE)
-                    },
-                );
+                self.look_up(scene, material, !material.is_textured(), Self::image_uvs);
             }
             Geometry::Mesh(id) if material.normal_texture.is_none() => {
                 let mesh = &scene.meshes[id.index()];
@@ -299,9 +289,11 @@ impl SurfaceLanes {
     /// Takes the places on the mesh down, with normals on the side that is seen.
     #[inline(always)]
     fn set_places(&mut self, inside_out: bool, place: impl Fn(&MeshLanes, usize, Vec3) -> Place) {
-        for i in 0..whole_vectors(self.len) {
+        let mut away = [0_u32; LANES];
+        for (i, away) in away.iter_mut().enumerate().take(whole_vectors(self.len)) {
             let wo = self.wo.get(i);
-            let (place, side) = face_viewer(place(&self.mesh, i, wo), inside_out, wo);
+            let (place, side) = turn_to_viewer(place(&self.mesh, i, wo), inside_out, wo);
+            *away = u32::from(!(place.ns.dot(wo) >= 0.0));
             self.side[i] = side;
             self.points.p.set(i, place.p);
             self.error.set(i, place.error);
@@ -309,6 +301,20 @@ impl SurfaceLanes {
             self.ng.set(i, place.ng);
             self.ns.set(i, place.ns);
         }
+        // Only near silhouettes.
+        if away.iter().fold(0, |any, away| any | away) != 0 {
+            for i in 0..whole_vectors(self.len) {
+                let (ns, ng) = (self.ns.get(i), self.ng.get(i));
+                self.ns.set(i, towards_viewer(ns, ng, self.wo.get(i)));
+            }
+        }
+    }
+
+    /// Where the textures of an analytic surface are read.
+    #[inline(always)]
+    fn image_uvs(&self, i: usize) -> ([Vec2; 2], Vec4) {
+        let uv = Vec2::new(self.points.u[i], self.points.v[i]);
+        ([image_uv(uv); 2], Vec4::ONE)
     }
 
     /// Turns the normals to the side that is seen.

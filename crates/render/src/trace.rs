@@ -3,7 +3,8 @@
 use crate::{
     CameraFrame, Light, MaterialId, Method, SceneBvh, Settings, ShadowMaps, ShadowRays, Unshadowed,
     direct::DirectLight,
-    eye_lanes::{EyeLanes, PixelRows, SeenMesh},
+    eye_lanes::{EyeLanes, Patch, SeenMesh},
+    eye_raster::EyeRaster,
     hit_groups::HitGroups,
     shade_block::ShadeBlock,
     shadow_map::MapVisibility,
@@ -106,12 +107,15 @@ impl<'a> Tracer<'a> {
         settings: &'a Settings,
         maps: Option<&'a ShadowMaps>,
     ) -> Self {
+        let unit = VectorUnit::default();
         Self {
             bvh,
             settings,
-            unit: VectorUnit::default(),
+            unit,
             shadow_rays: ShadowRays::new(bvh, settings.glass_shadows),
-            maps: maps.filter(|_| settings.shadows).map(MapVisibility::new),
+            maps: maps
+                .filter(|_| settings.shadows)
+                .map(|maps| MapVisibility::new(maps, unit)),
             direct: DirectLight::default(),
             queue: Queue::default(),
             next: Queue::default(),
@@ -213,7 +217,13 @@ impl<'a> Tracer<'a> {
                         let block = &mut *self.block;
                         block.evaluate(self.bvh, &self.queue, instance, members);
                         block.pass(members, &self.queue, &mut self.next);
-                        if !block.shade(self.bvh.scene(), self.settings, radiance) {
+                        let goes_on = block.shade(
+                            self.bvh.scene(),
+                            self.settings,
+                            #[inline(always)]
+                            |seen, own, len| seen.add(own, len, radiance),
+                        );
+                        if !goes_on {
                             return;
                         }
                         let material = self.bvh.scene().instances[instance as usize].material;
@@ -225,7 +235,14 @@ impl<'a> Tracer<'a> {
                             &mut self.next,
                         );
                         if at_once {
-                            light_now(lights, block, &mut self.maps, &mut self.direct, radiance);
+                            light_now(
+                                lights,
+                                block,
+                                &mut self.maps,
+                                &mut self.direct,
+                                #[inline(always)]
+                                |arriving| block.seen.add(arriving, block.surfaces.len, radiance),
+                            );
                         } else {
                             self.direct.add(lights, &block.surfaces, &block.seen);
                         }
@@ -235,63 +252,80 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// The radiance of pixels that see nothing but one opaque mesh without normal texture, and the sky: what [`Tracer::trace_seen`] gives, to the
-    /// bit, under [`Method::ShadowMap`].
-    pub(crate) fn trace_mesh(
-        &mut self,
-        rows: &PixelRows,
-        seen: Option<&SeenMesh>,
-        radiance: &mut [Vec3],
-    ) {
-        radiance.fill(Vec3::ZERO);
-        self.eye.sort(rows.ids);
-        if let Some(seen) = seen {
-            let pixels = std::mem::take(&mut self.eye.pixels[0]);
-            for pixels in pixels.chunks(LANES) {
-                self.shade_pixels(rows, seen, pixels, radiance);
-            }
-            self.eye.pixels[0] = pixels;
-        }
-        self.eye.see_sky(self.unit, self.bvh, rows, radiance);
-        self.drop_bad(radiance);
+    /// The radiance of the pixels of a plain patch, see [`EyeRaster::is_plain`]: what [`Tracer::trace_seen`] gives, to the bit, under
+    /// [`Method::ShadowMap`].
+    pub(crate) fn trace_patch(&mut self, eye: &EyeRaster, patch: &Patch) {
+        let unit = self.unit;
+        unit.run(
+            #[inline(always)]
+            || self.eye.aim(patch),
+        );
+        let mut covered = 0;
+        eye.for_meshes(unit, patch.ids, |mesh| {
+            covered |= self.shade_mesh(patch, mesh);
+        });
+        self.bad_samples += unit.run(
+            #[inline(always)]
+            || {
+                if covered != u64::MAX {
+                    self.eye.see_sky(&self.bvh.scene().environment, !covered);
+                }
+                self.eye.drop_bad(patch)
+            },
+        );
     }
 
-    /// Shades at most [`LANES`] pixels that see a mesh; those whose rays do not meet the planes of their triangles see the sky.
-    fn shade_pixels(
-        &mut self,
-        rows: &PixelRows,
-        seen: &SeenMesh,
-        pixels: &[u32],
-        radiance: &mut [Vec3],
-    ) {
-        let met = self
-            .eye
-            .meet(self.unit, rows, seen, pixels, &mut self.block);
-        if met.count_ones() as usize != pixels.len() {
-            let (met, missed) = (0..)
-                .zip(pixels)
-                .partition::<Vec<_>, _>(|(i, _)| met >> i & 1 == 1);
-            self.eye.pixels[1].extend(missed.iter().map(|(_, pixel)| **pixel));
-            let met: Vec<u32> = met.iter().map(|(_, pixel)| **pixel).collect();
-            if !met.is_empty() {
-                self.shade_pixels(rows, seen, &met, radiance);
-            }
-            return;
+    /// Shades the pixels of a patch that see a mesh; gives their lanes, the first one in the lowest bit.
+    fn shade_mesh(&mut self, patch: &Patch, mesh: &SeenMesh) -> u64 {
+        let met = self.eye.meet(self.unit, patch, mesh, &mut self.block);
+        if met == 0 {
+            return 0;
         }
         self.unit.run(
             #[inline(always)]
             || {
-                let block = &mut *self.block;
-                let (dir, lights) = (&self.eye.dir, &self.bvh.scene().lights);
-                block
-                    .surfaces
-                    .fill_met(self.bvh, seen.instance, seen.mesh, dir);
-                block.see(pixels);
-                if block.shade(self.bvh.scene(), self.settings, radiance) {
-                    light_now(lights, block, &mut self.maps, &mut self.direct, radiance);
+                let (scene, block) = (self.bvh.scene(), &mut *self.block);
+                let (surfaces, sum) = (&mut block.surfaces, &mut self.eye.sum);
+                surfaces.fill_met(self.bvh, mesh.instance, mesh.mesh, &self.eye.dir);
+                block.see(met);
+                *sum = Vec3Lanes::default();
+                let is_lit = block.shade(
+                    scene,
+                    self.settings,
+                    #[inline(always)]
+                    |_, own, _| add_lanes(sum, own),
+                );
+                if is_lit {
+                    light_now(
+                        &scene.lights,
+                        block,
+                        &mut self.maps,
+                        &mut self.direct,
+                        #[inline(always)]
+                        |arriving| add_lanes(sum, arriving),
+                    );
                 }
+                self.eye.take(met);
             },
         );
+        met
+    }
+
+    /// Adds what [`Tracer::trace_patch`] found to rows of pixels, see [`EyeLanes::write`].
+    pub(crate) fn write_patch<'p>(
+        &self,
+        is_first: bool,
+        rows: impl Iterator<Item = &'p mut [[f32; 4]]>,
+    ) {
+        self.unit.run(
+            #[inline(always)]
+            || self.eye.write(is_first, rows),
+        );
+    }
+
+    /// The vector unit that it runs on.
+    pub(crate) fn unit(&self) -> VectorUnit {
+        self.unit
     }
 
     fn drop_bad(&mut self, radiance: &mut [Vec3]) {
@@ -313,19 +347,26 @@ impl<'a> Tracer<'a> {
     }
 }
 
-/// Adds the direct light of a block without a queue of questions.
+/// Calls `add` with the direct light of a block, light by light, without a queue of questions.
 #[inline(always)]
 fn light_now(
     lights: &[Light],
     block: &ShadeBlock,
     maps: &mut Option<MapVisibility>,
     direct: &mut DirectLight,
-    radiance: &mut [Vec3],
+    add: impl FnMut(&Vec3Lanes),
 ) {
     let (surfaces, seen) = (&block.surfaces, &block.seen);
     if let Some(maps) = maps {
-        direct.add_now(lights, surfaces, seen, maps, radiance);
+        direct.add_now(lights, surfaces, seen, maps, add);
     } else {
-        direct.add_now(lights, surfaces, seen, &mut Unshadowed, radiance);
+        direct.add_now(lights, surfaces, seen, &mut Unshadowed, add);
+    }
+}
+
+#[inline(always)]
+fn add_lanes(sum: &mut Vec3Lanes, lanes: &Vec3Lanes) {
+    for i in 0..LANES {
+        sum.set(i, sum.get(i) + lanes.get(i));
     }
 }

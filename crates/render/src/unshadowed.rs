@@ -18,7 +18,13 @@ impl Visibility for Unshadowed {
 
 impl VisibilityLanes for Unshadowed {
     #[inline(always)]
-    fn fractions(&mut self, _light: usize, _surfaces: &SurfaceLanes, fractions: &mut Lanes) {
+    fn fractions(
+        &mut self,
+        _light: usize,
+        _surfaces: &SurfaceLanes,
+        _share: &Lanes,
+        fractions: &mut Lanes,
+    ) {
         fractions.fill(1.0);
     }
 }

@@ -17,8 +17,8 @@ use std::{
 };
 use umbriel_formats::{LoadOptions, encode_png, load_scene, write_file};
 use umbriel_render::{
-    Bias, BiasUnit, Control, Method, Scene, SceneBvh, Settings, ShadowFilter, ShadowMapSettings, ShadowMaps, Tonemap,
-    develop_into, render_with_maps, render_with_maps_into,
+    Bias, BiasUnit, Control, Development, Method, Scene, SceneBvh, Settings, ShadowFilter, ShadowMapSettings,
+    ShadowMaps, Tonemap, render_bytes_into,
 };
 
 /// Everything that stays from request to request.
@@ -106,12 +106,11 @@ fn draw(stage: &Stage, bvhs: &[SceneBvh; 2], request: &Request) -> Result<Times,
     let control = Control { stop: &AtomicBool::new(false), progress: &|_, _| () };
     let maps = Mutex::new(ShadowMaps::render(bvh, camera, &settings, false));
     let mut pixels = Vec::new();
-    let mut film = render_with_maps(bvh, camera, &settings, None, &control);
+    let development = Development { exposure: 0.0, tonemap: Tonemap::Linear };
     let mut draw_map = || maps.lock().expect("no pass panics").render_into(bvh, camera, &settings, false);
     let mut draw_eye = || {
         let maps = maps.lock().expect("no pass panics");
-        render_with_maps_into(bvh, camera, &settings, Some(&maps), &control, &mut film);
-        develop_into(&film.image, 0.0, Tonemap::Linear, &mut pixels);
+        render_bytes_into(bvh, camera, &settings, Some(&maps), &control, &development, &mut pixels);
     };
     let times = stage.pool.install(|| measure(&mut draw_map, &mut draw_eye, request.frames));
     if let Some(path) = &request.picture {

@@ -141,7 +141,7 @@ impl Cluster {
         next: 0,
     };
 
-    /// The expansion at `x`, of length `l`.
+    /// The expansion of [`solid_angle`] at `x`, of length `l`.
     fn solid_angle(&self, x: DVec3, l: f64) -> f64 {
         let m = &self.moment;
         let trace = m.x_axis.x + m.y_axis.y + m.z_axis.z;

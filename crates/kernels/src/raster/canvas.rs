@@ -90,26 +90,15 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
         let mut pending = Pending::new();
         let mut cache = VertexCache::new();
         let mut corners = Corners::new();
-        for draw_clusters in clusters.chunk_by(|a, b| a.draw == b.draw) {
-            let number = draw_clusters[0].draw as usize;
-            let (draw, projection) = (&raster.draws[number], &raster.projections[number]);
+        for clusters in clusters.chunk_by(|a, b| a.draw == b.draw) {
+            let number = clusters[0].draw as usize;
+            let source = (&raster.draws[number], &raster.projections[number]);
             let sides = self.open(raster, keep, number, &mut pending);
-            for item in draw_clusters {
-                if self.is_hidden(item) {
-                    continue;
+            for item in clusters {
+                if !self.is_hidden(item) {
+                    cache.fill(self.simd, source, item.cluster as usize, &mut corners);
+                    self.draw_corners(&corners, sides, &mut pending);
                 }
-                let cluster = item.cluster as usize;
-                let first_id = draw.first_id.wrapping_add((cluster * TRIANGLES) as u32);
-                let source = (draw.clusters, cluster);
-                cache.fill(
-                    self.simd,
-                    projection,
-                    source,
-                    draw.positions,
-                    first_id,
-                    &mut corners,
-                );
-                self.draw_corners(&corners, sides, &mut pending);
             }
         }
         for triangles in cut.chunk_by(|a, b| a.draw == b.draw) {
@@ -117,11 +106,7 @@ impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
             let first_id = raster.draws[number].first_id;
             let sides = self.open(raster, keep, number, &mut pending);
             for triangles in triangles.chunks(TRIANGLES) {
-                corners.len = 0;
-                for triangle in triangles {
-                    corners.push(triangle.corners, first_id.wrapping_add(triangle.number));
-                }
-                corners.pad();
+                corners.take_cut(triangles, first_id);
                 self.draw_corners(&corners, sides, &mut pending);
             }
         }

@@ -27,8 +27,8 @@ use glam::{Mat4, Vec3};
 pub use image::DepthImage;
 use projection::Projection;
 pub use slide::{Corner, draw_triangle};
+use tile::Blocks;
 pub use tile::TileImage;
-use tile::{Blocks, copy_row};
 
 /// Object space to clip space: `clip = matrix · (p − origin, 1)`.
 ///
@@ -161,21 +161,6 @@ impl<'a> Raster<'a> {
     pub fn draw_tile(&self, tile: usize, keep: Option<&KeepFn>, out: &mut TileImage) {
         out.rect = self.rect(tile);
         self.draw_blocks(true, tile, keep, &mut out.blocks);
-        let [x0, y0, x1, y1] = out.rect.map(|side| side as usize);
-        let (width, height) = (x1 - x0, y1 - y0);
-        out.depth.resize(width * height, 0.0);
-        out.ids.resize(width * height, u32::MAX);
-        let Blocks {
-            columns,
-            depth,
-            ids,
-            ..
-        } = &out.blocks;
-        let rows = out.depth.chunks_mut(width).zip(out.ids.chunks_mut(width));
-        for (y, (depth_row, id_row)) in rows.enumerate() {
-            copy_row(depth, *columns, y, depth_row);
-            copy_row(ids, *columns, y, id_row);
-        }
     }
 
     /// Draws one tile into blocks; false if nothing can be on it.

@@ -5,11 +5,37 @@
 pub struct TileImage {
     /// `[x0, y0, x1, y1]` in pixels, without the ends.
     pub rect: [u32; 4],
-    /// Depths row by row; larger is nearer, 0 where nothing is.
-    pub depth: Vec<f32>,
-    /// `first_id` of the draw + number of the triangle, row by row; `u32::MAX` where nothing is; empty if not wanted.
-    pub ids: Vec<u32>,
     pub(super) blocks: Blocks,
+}
+
+impl TileImage {
+    /// Pixels of a patch across and down: four blocks of 4 x 4 side by side, each row by row, as they lie in memory.
+    pub const PATCH: [u32; 2] = [16, 4];
+
+    /// Column and row within a patch of its pixel `i`.
+    #[inline(always)]
+    pub const fn place_in_patch(i: usize) -> [usize; 2] {
+        [i / BLOCK * 4 + i % 4, i % BLOCK / 4]
+    }
+
+    /// `first_id` of the draw + number of the triangle of each pixel of a patch; `u32::MAX` where nothing is. Pixels that the last patches have beyond
+    /// the tile may hold any.
+    #[inline]
+    pub fn patch_ids(&self, column: usize, row: usize) -> &[u32; 64] {
+        let square = row / 4 * self.blocks.columns + column;
+        let patches = self.blocks.ids.as_chunks::<64>().0;
+        &patches[square * 4 + row % 4]
+    }
+
+    /// Copies the ids of row `y` of the tile, from its first pixel on.
+    pub fn row_ids(&self, y: usize, row: &mut [u32]) {
+        copy_row(&self.blocks.ids, self.blocks.columns, y, row);
+    }
+
+    /// Copies the depths of row `y` of the tile, from its first pixel on; larger is nearer, 0 where nothing is.
+    pub fn row_depths(&self, y: usize, row: &mut [f32]) {
+        copy_row(&self.blocks.depth, self.blocks.columns, y, row);
+    }
 }
 
 /// Pixels in a block.

@@ -1,8 +1,9 @@
 //! The vertices of a cluster on the picture, sixteen at a time, and the corners of its triangles.
 
-use super::Corner;
-use super::clusters::{Cluster, Clusters, TRIANGLES};
+use super::bins::CutTriangle;
+use super::clusters::{Clusters, TRIANGLES};
 use super::projection::Projection;
+use super::{Corner, Draw};
 use fearless_simd::{Simd, f32x16, i32x16, prelude::*};
 use glam::{Vec3, Vec4};
 
@@ -28,8 +29,17 @@ impl Corners {
         }
     }
 
+    /// At most [`TRIANGLES`] triangles that were cut, in place of those before.
+    pub(super) fn take_cut(&mut self, triangles: &[CutTriangle], first_id: u32) {
+        self.len = 0;
+        for triangle in triangles {
+            self.push(triangle.corners, first_id.wrapping_add(triangle.number));
+        }
+        self.pad();
+    }
+
     /// One more triangle; there must be room.
-    pub(super) fn push(&mut self, [a, b, c]: [Corner; 3], id: u32) {
+    fn push(&mut self, [a, b, c]: [Corner; 3], id: u32) {
         let pack = |p: Corner| [p.x, p.y, p.z.to_bits() as i32, id as i32];
         self.a[self.len] = pack(a);
         self.b[self.len] = pack(b);
@@ -38,7 +48,7 @@ impl Corners {
     }
 
     /// Fills the last sixteen up with points.
-    pub(super) fn pad(&mut self) {
+    fn pad(&mut self) {
         for i in self.len..self.len.next_multiple_of(16) {
             (self.a[i], self.b[i], self.c[i]) = ([0; 4], [0; 4], [0; 4]);
         }
@@ -70,19 +80,19 @@ impl VertexCache {
         }
     }
 
-    /// Puts the triangles of a cluster that needs no cut into `corners`; `first_id` is that of its first triangle.
+    /// Puts the triangles of a draw's cluster that needs no cut into `corners`.
     #[inline(always)]
     pub(super) fn fill<S: Simd>(
         &mut self,
         simd: S,
-        projection: &Projection,
-        (clusters, number): (&Clusters, usize),
-        positions: &[Vec3],
-        first_id: u32,
+        (draw, projection): (&Draw, &Projection),
+        number: usize,
         corners: &mut Corners,
     ) {
-        let cluster = clusters.clusters[number];
-        self.project(simd, projection, &clusters.vertices, cluster, positions);
+        let clusters = draw.clusters;
+        let vertices = self.collect(clusters, number, draw.positions);
+        self.project(simd, projection, vertices);
+        let first_id = draw.first_id.wrapping_add((number * TRIANGLES) as u32);
         let triangles = &clusters.corners[number * TRIANGLES..];
         let triangles = &triangles[..triangles.len().min(TRIANGLES)];
         let places = corners.a.iter_mut().zip(&mut corners.b).zip(&mut corners.c);
@@ -96,30 +106,27 @@ impl VertexCache {
         corners.pad();
     }
 
-    /// The twin of [`Projection::clip`] and [`Projection::corner`].
+    /// Takes the positions of a cluster's vertices down; gives their number.
     #[inline(always)]
-    fn project<S: Simd>(
-        &mut self,
-        simd: S,
-        projection: &Projection,
-        vertices: &[u32],
-        cluster: Cluster,
-        positions: &[Vec3],
-    ) {
+    fn collect(&mut self, clusters: &Clusters, number: usize, positions: &[Vec3]) -> usize {
+        let cluster = clusters.clusters[number];
         let first = cluster.first_vertex as usize;
-        let vertices = &vertices[first..][..(cluster.vertices as usize).min(256)];
+        let vertices = &clusters.vertices[first..][..(cluster.vertices as usize).min(256)];
         let [xs, ys, zs] = &mut self.positions;
-        for (((vertex, x), y), z) in vertices
-            .iter()
-            .zip(xs.iter_mut())
-            .zip(ys.iter_mut())
-            .zip(zs.iter_mut())
-        {
+        let places = xs.iter_mut().zip(ys).zip(zs);
+        for (vertex, ((x, y), z)) in vertices.iter().zip(places) {
             let p = positions[*vertex as usize];
             (*x, *y, *z) = (p.x, p.y, p.z);
         }
+        vertices.len()
+    }
+
+    /// The twin of [`Projection::clip`] and [`Projection::corner`] for the first `vertices` positions.
+    #[inline(always)]
+    fn project<S: Simd>(&mut self, simd: S, projection: &Projection, vertices: usize) {
+        let [xs, ys, zs] = &self.positions;
         let affine = projection.rows[3] == Vec4::W;
-        let groups = vertices.len().div_ceil(16);
+        let groups = vertices.div_ceil(16);
         let packed = self.packed.as_flattened_mut().as_chunks_mut::<64>().0;
         let chunks = xs
             .as_chunks::<16>()

@@ -1,7 +1,7 @@
 //! Vectors of many lanes, for loops that the compiler turns into vector instructions.
 
 use crate::{Surface, SurfacePoint};
-use fearless_simd::{Level, dispatch};
+use fearless_simd::{Level, dispatch, prelude::*, u32x16};
 use glam::{Vec2, Vec3};
 
 /// Lanes in a block.
@@ -13,6 +13,34 @@ pub const LANES: usize = 64;
 pub const fn whole_vectors(len: usize) -> usize {
     let lanes = len.next_multiple_of(32);
     if lanes < LANES { lanes } else { LANES }
+}
+
+/// The lanes that differ from the one before, and the first one, which is in the lowest bit.
+pub fn run_starts(unit: VectorUnit, lanes: &[u32; LANES]) -> u64 {
+    dispatch!(unit.0, simd => {
+        let ends = [(1, 17), (16, 32), (32, 48), (48, 64)];
+        let mut starts = 1;
+        for (first, end) in ends {
+            let here = u32x16::from_slice(simd, &lanes[first..end]);
+            let before = u32x16::from_slice(simd, &lanes[first - 1..end - 1]);
+            starts |= (!here.simd_eq(before).to_bitmask() & 0xffff) << first;
+        }
+        starts
+    })
+}
+
+/// The lanes from `first` to before `end`, the first one in the lowest bit.
+pub fn lanes_within(unit: VectorUnit, lanes: &[u32; LANES], first: u32, end: u32) -> u64 {
+    dispatch!(unit.0, simd => {
+        let (first, end) = (u32x16::splat(simd, first), u32x16::splat(simd, end));
+        let mut within = 0;
+        for start in [0, 16, 32, 48] {
+            let number = u32x16::from_slice(simd, &lanes[start..start + 16]);
+            let is_within = number.simd_ge(first) & number.simd_lt(end);
+            within |= (is_within.to_bitmask() & 0xffff) << start;
+        }
+        within
+    })
 }
 
 /// One number a lane.
@@ -53,6 +81,12 @@ impl Vec3Lanes {
     #[inline(always)]
     pub(super) fn components(&self) -> [&Lanes; 3] {
         [&self.x, &self.y, &self.z]
+    }
+
+    /// Component by component.
+    #[inline(always)]
+    pub(super) fn components_mut(&mut self) -> [&mut Lanes; 3] {
+        [&mut self.x, &mut self.y, &mut self.z]
     }
 
     /// Changes the vector of lane `i`.

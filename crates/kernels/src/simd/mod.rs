@@ -8,6 +8,7 @@
 mod block;
 mod box_ray;
 mod lanes;
+mod near_texels;
 mod packet;
 mod packet_hits;
 mod packet_leaf;
@@ -15,11 +16,15 @@ mod rays16;
 mod surface_list;
 mod triangle_lanes;
 mod triangle_leaf;
+mod triangle_normals;
 mod triangle_pairs;
 mod ways;
 
 pub(crate) use box_ray::BoxRay;
-pub use lanes::{LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit, whole_vectors};
+pub use lanes::{
+    LANES, Lanes, PointLanes, Vec3Lanes, VectorUnit, lanes_within, run_starts, whole_vectors,
+};
+pub use near_texels::NearTexels;
 pub(crate) use packet::PacketBoxes;
 pub(crate) use packet_hits::PacketHits;
 pub(crate) use packet_leaf::PacketLeaf;
@@ -27,5 +32,6 @@ pub(crate) use rays16::{RAYS, RayLanes, Rays16};
 pub use surface_list::SurfaceList;
 pub(crate) use triangle_lanes::{HitLanes, LaneHits};
 pub(crate) use triangle_leaf::TriangleLeaves;
+pub use triangle_normals::unit_normals;
 pub use triangle_pairs::{PairLanes, triangle_coordinates_each, triangle_coordinates_lanes};
 pub(crate) use ways::Ways;

@@ -144,14 +144,32 @@ fn tiles_make_up_the_picture() {
             raster.draw_tile(i, None, &mut tile);
             assert_eq!(tile.rect, raster.rect(i));
             let [x0, y0, x1, y1] = tile.rect;
-            let places = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y * PIXELS[0] + x));
-            for ((place, z), id) in places.zip(&tile.depth).zip(&tile.ids) {
-                assert_eq!(*z, expected.depth[place as usize]);
-                assert_eq!(*id, expected.ids[place as usize]);
-                pixels += 1;
+            let width = (x1 - x0) as usize;
+            let (mut depths, mut ids) = (vec![0.0; width], vec![0; width]);
+            for y in y0..y1 {
+                let row = (y * PIXELS[0] + x0) as usize..(y * PIXELS[0] + x1) as usize;
+                tile.row_depths((y - y0) as usize, &mut depths);
+                tile.row_ids((y - y0) as usize, &mut ids);
+                assert_eq!(depths, expected.depth[row.clone()]);
+                assert_eq!(ids, expected.ids[row]);
+                check_patches(&tile, (y - y0) as usize, &ids);
+                pixels += width;
             }
         }
         assert_eq!(pixels, expected.depth.len());
+    }
+}
+
+/// The patches of a tile hold what its row `y` holds.
+fn check_patches(tile: &TileImage, y: usize, ids: &[u32]) {
+    let [across, down] = TileImage::PATCH.map(|side| side as usize);
+    for column in 0..ids.len().div_ceil(across) {
+        for (i, id) in tile.patch_ids(column, y / down).iter().enumerate() {
+            let [x, row] = TileImage::place_in_patch(i);
+            if row == y % down && across * column + x < ids.len() {
+                assert_eq!(*id, ids[across * column + x]);
+            }
+        }
     }
 }
 

@@ -88,7 +88,14 @@ fn light_added_at_once_is_the_same_to_the_bit() {
             || {
                 surfaces.fill(&bvh, 0, hits.iter().copied());
                 let sums = &mut radiance[0];
-                now.add_now(&scene.lights, &surfaces, &seen, &mut AllOfIt, sums);
+                now.add_now(
+                    &scene.lights,
+                    &surfaces,
+                    &seen,
+                    &mut AllOfIt,
+                    #[inline(always)]
+                    |arriving| seen.add(arriving, hits.len(), sums),
+                );
                 later.add(&scene.lights, &surfaces, &seen);
             },
         );

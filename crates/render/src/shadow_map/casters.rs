@@ -1,7 +1,9 @@
 //! Pass 1: everything that stands in the light's way is drawn into its depth image.
 
 use super::{DepthMap, LightView, cover::covered};
-use crate::{AlphaMode, Geometry, GlassShadows, InstanceId, Material, SceneBvh};
+use crate::{
+    AlphaMode, Geometry, GlassShadows, InstanceId, Material, SceneBvh, surface::first_opaque,
+};
 use rayon::prelude::*;
 use umbriel_kernels::{
     Hit, LANES, Plane, Ray, Surface, SurfaceList,
@@ -70,33 +72,22 @@ pub(crate) fn draw_surfaces(
     if solids.is_empty() {
         return;
     }
-    let width = view.side as usize;
-    let with_ids = !map.ids.is_empty();
-    let mut no_ids = Vec::new();
-    let ids = if with_ids { &mut map.ids } else { &mut no_ids };
-    let id_bands = ids
-        .chunks_mut(BAND * width)
-        .map(Some)
-        .chain(std::iter::repeat_with(|| None));
-    let bands: Vec<_> = map
-        .stored
-        .chunks_mut(BAND * width)
-        .zip(id_bands)
-        .enumerate()
-        .collect();
-    bands
-        .into_par_iter()
-        .for_each(|(number, (depths, mut ids))| {
-            for solid in &solids {
-                let top = (number * BAND) as u32;
-                let rows = (depths.len() / width) as u32;
-                for y in solid.rect[1].max(top)..solid.rect[3].min(top + rows) {
-                    let row = (y - top) as usize * width..(y - top + 1) as usize * width;
-                    let ids = ids.as_mut().map(|ids| &mut ids[row.clone()]);
-                    solid.draw_row(bvh, &view, y, &mut depths[row], ids);
-                }
-            }
-        });
+    let band = BAND * view.side as usize;
+    let no_ids = std::iter::repeat_with(|| None);
+    let id_bands = map.ids.chunks_mut(band).map(Some).chain(no_ids);
+    let bands: Vec<_> = map.stored.chunks_mut(band).zip(id_bands).collect();
+    let bands = bands.into_par_iter().enumerate();
+    bands.for_each(|(number, (depths, mut ids))| {
+        for solid in &solids {
+            solid.draw_band(
+                bvh,
+                &view,
+                (number * BAND) as u32,
+                depths,
+                ids.as_deref_mut(),
+            );
+        }
+    });
 }
 
 fn solid(
@@ -131,6 +122,24 @@ fn solid(
 }
 
 impl Solid {
+    /// Draws whole rows of the image from row `top` on.
+    fn draw_band(
+        &self,
+        bvh: &SceneBvh,
+        view: &LightView,
+        top: u32,
+        depths: &mut [f32],
+        mut ids: Option<&mut [u32]>,
+    ) {
+        let width = view.side as usize;
+        let rows = (depths.len() / width) as u32;
+        for y in self.rect[1].max(top)..self.rect[3].min(top + rows) {
+            let row = (y - top) as usize * width..(y - top + 1) as usize * width;
+            let ids = ids.as_mut().map(|ids| &mut ids[row.clone()]);
+            self.draw_row(bvh, view, y, &mut depths[row], ids);
+        }
+    }
+
     fn draw_row(
         &self,
         bvh: &SceneBvh,
@@ -180,22 +189,13 @@ impl Solid {
             // A light in the plane is not in its own way.
             return (along != 0.0 && t != 0.0 && t.is_finite()).then_some((t, 0));
         }
-        let mut hit = hit?;
+        let hit = hit?;
         let scene = bvh.scene();
         let material = &scene.materials[scene.instances[self.instance as usize].material.index()];
-        // A ray meets a torus four times, and nothing more often.
-        for _ in 0..8 {
-            let is_there =
-                !self.masked || crate::surface::alpha_at(scene, ray, &hit) >= cutoff(material);
-            if is_there {
-                return Some((hit.t, hit.primitive));
-            }
-            let mut rest = *ray;
-            rest.t.min = hit.t;
-            let mut next = [None];
-            self.list.closest(&[rest], &mut next);
-            hit = next[0]?;
-        }
-        None
+        let first = match self.masked {
+            true => first_opaque(scene, &self.list, ray, hit, cutoff(material))?,
+            false => hit,
+        };
+        Some((first.t, first.primitive))
     }
 }

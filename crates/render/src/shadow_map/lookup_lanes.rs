@@ -1,16 +1,17 @@
 //! The lookup for 64 points at once.
 
-use super::{
-    Bias, DepthMap, LightView, ShadowFilter, ShadowMap, ShadowMaps,
-    bias::{is_lit, receiver},
+use super::{Bias, DepthMap, LightView, ShadowFilter, ShadowMap, ShadowMaps, bias::receiver};
+use crate::{
+    direct::{LEAST_SHARE, VisibilityLanes},
+    surface_lanes::SurfaceLanes,
 };
-use crate::{direct::VisibilityLanes, surface_lanes::SurfaceLanes};
-use umbriel_kernels::{LANES, Lanes, whole_vectors};
+use umbriel_kernels::{LANES, Lanes, NearTexels, VectorUnit, whole_vectors};
 
 /// The second question answered by shadow maps, to the bit as [`ShadowMap::fraction`] answers it.
 #[derive(Debug)]
 pub(crate) struct MapVisibility<'a> {
     maps: &'a ShadowMaps,
+    unit: VectorUnit,
     receivers: Box<ReceiverLanes>,
 }
 
@@ -21,22 +22,26 @@ struct ReceiverLanes {
     stored: Lanes,
     plane_x: Lanes,
     plane_y: Lanes,
-    /// The receiver's own texel, or any within reach of the filter where the face does not hold it.
-    texel: [u32; LANES],
+    /// Whether the planes are any but 0.
+    follows: bool,
+    /// The first texel of the filter's square around the receiver's own, or of any square where the face does not hold it.
+    first: [u32; LANES],
     /// 1 where the face holds the receiver with the filter, otherwise 0.
     held: Lanes,
 }
 
 impl<'a> MapVisibility<'a> {
-    pub(crate) fn new(maps: &'a ShadowMaps) -> Self {
+    pub(crate) fn new(maps: &'a ShadowMaps, unit: VectorUnit) -> Self {
         let zero = [0.0; LANES];
         Self {
             maps,
+            unit,
             receivers: Box::new(ReceiverLanes {
                 stored: zero,
                 plane_x: zero,
                 plane_y: zero,
-                texel: [0; LANES],
+                follows: false,
+                first: [0; LANES],
                 held: zero,
             }),
         }
@@ -45,18 +50,26 @@ impl<'a> MapVisibility<'a> {
 
 impl VisibilityLanes for MapVisibility<'_> {
     #[inline(always)]
-    fn fractions(&mut self, light: usize, surfaces: &SurfaceLanes, fractions: &mut Lanes) {
+    fn fractions(
+        &mut self,
+        light: usize,
+        surfaces: &SurfaceLanes,
+        share: &Lanes,
+        fractions: &mut Lanes,
+    ) {
         let map = &self.maps.maps[light];
-        let lanes = 0..surfaces.len.min(LANES);
+        let lanes = surfaces.len.min(LANES);
         let receivers = &mut *self.receivers;
         if let Some((face, reach)) = map.square() {
             receivers.fill(face, &map.settings.bias, reach, surfaces);
-            receivers.lit_share(face, reach, surfaces.len, fractions);
+            receivers.lit_share(self.unit, face, reach, surfaces.len, fractions);
         } else {
             receivers.held.fill(0.0);
         }
-        for i in lanes {
-            if receivers.held[i] == 0.0 {
+        // Most blocks have none.
+        let is_left = |i: usize| (receivers.held[i] == 0.0) & (share[i] > LEAST_SHARE);
+        if (0..lanes).fold(false, |any, i| any | is_left(i)) {
+            for i in (0..lanes).filter(|&i| is_left(i)) {
                 let surface = surfaces.get(i);
                 fractions[i] = map.fraction(surface.shadow_p, surface.ng);
             }
@@ -82,6 +95,7 @@ impl ReceiverLanes {
     /// Projects the surfaces' points; loops of their own for both kinds of views and the usual biases.
     #[inline(always)]
     fn fill(&mut self, face: &DepthMap, bias: &Bias, reach: u32, surfaces: &SurfaceLanes) {
+        self.follows = matches!(bias, Bias::ReceiverPlane { .. } | Bias::Adaptive { .. });
         let view = &face.view;
         let parallel = LightView {
             perspective: false,
@@ -122,8 +136,8 @@ impl ReceiverLanes {
             self.plane_x[i] = receiver.plane.x;
             self.plane_y[i] = receiver.plane.y;
             let (x, y) = (receiver.own.x.max(reach), receiver.own.y.max(reach));
-            let (x, y) = (x.min(last) as i32 as u32, y.min(last) as i32 as u32);
-            self.texel[i] = y * view.side + x;
+            let (x, y) = (whole(x.min(last) - reach), whole(y.min(last) - reach));
+            self.first[i] = y * view.side + x;
             let (least, most) = (receiver.at.min_element(), receiver.at.max_element());
             // In front of the light and in the map; NaN is not.
             let held = (receiver.z > 0.0)
@@ -135,66 +149,45 @@ impl ReceiverLanes {
     }
 
     /// The share of lit texels up to `reach` around each receiver.
-    #[inline(always)]
-    fn lit_share(&self, face: &DepthMap, reach: u32, len: usize, lit: &mut Lanes) {
-        let lanes = whole_vectors(len);
-        let width = 2 * reach + 1;
-        *lit = [0.0; LANES];
-        for row in 0..width {
-            let mut column = 0;
-            while column < width {
-                let tap = [column, row];
-                // One check of the bounds for three texels.
-                if column + 3 <= width {
-                    self.add_taps::<3>(face, reach, tap, lanes, lit);
-                    column += 3;
-                } else {
-                    self.add_taps::<1>(face, reach, tap, lanes, lit);
-                    column += 1;
-                }
-            }
-        }
-        let width = width as f32;
-        for lit in &mut lit[..lanes] {
-            *lit /= width * width;
-        }
-    }
-
-    /// Adds 1 for each lit texel of `N` side by side in the square; the depths are gathered, then compared in lanes.
-    #[inline(always)]
-    fn add_taps<const N: usize>(
+    fn lit_share(
         &self,
+        unit: VectorUnit,
         face: &DepthMap,
         reach: u32,
-        [column, row]: [u32; 2],
-        lanes: usize,
+        len: usize,
         lit: &mut Lanes,
     ) {
-        let side = face.view.side;
-        // From the square's first texel.
-        let (step, first) = (row * side + column, reach * side + reach);
-        let mut texels = [[0.0; LANES]; N];
-        for (i, own) in self.texel[..lanes].iter().enumerate() {
-            let from = (own - first + step) as usize;
-            if let Some(near) = face.stored[from..].first_chunk::<N>() {
-                for (texels, &stored) in texels.iter_mut().zip(near) {
-                    texels[i] = stored;
-                }
-            }
-        }
-        let dy = row as f32 - reach as f32;
-        for (texels, column) in texels.iter().zip(column..) {
-            let dx = column as f32 - reach as f32;
-            for i in 0..lanes {
-                let compared = self.stored[i] + (self.plane_x[i] * dx + self.plane_y[i] * dy);
-                lit[i] += if is_lit(texels[i], compared) {
-                    1.0
+        let width = 2 * reach + 1;
+        let near = NearTexels {
+            texels: &face.stored,
+            side: face.view.side as usize,
+            width: width as usize,
+            first: &self.first,
+            compared: &self.stored,
+            planes: self.follows.then_some([&self.plane_x, &self.plane_y]),
+        };
+        near.count(unit, len, lit);
+        let texels = (width * width) as f32;
+        unit.run(
+            #[inline(always)]
+            || {
+                let all_or_nothing = |lit: f32| (lit == 0.0) | (lit == texels);
+                if lit.iter().fold(true, |all, &lit| all & all_or_nothing(lit)) {
+                    // Which needs no division.
+                    lit.iter_mut().for_each(|lit| *lit = lit.min(1.0));
                 } else {
-                    0.0
-                };
-            }
-        }
+                    lit.iter_mut().for_each(|lit| *lit /= texels);
+                }
+            },
+        );
     }
+}
+
+/// A whole number from 0 to 2²³. The compiler's own conversion takes one number at a time, for the sake of NaN.
+#[inline(always)]
+fn whole(x: f32) -> u32 {
+    const UNIT_STEPS: f32 = 8_388_608.0;
+    (x + UNIT_STEPS).to_bits() - UNIT_STEPS.to_bits()
 }
 
 #[cfg(test)]
@@ -205,7 +198,7 @@ mod tests {
         SceneBvh, Settings, ShadowMapSettings, SpotLight, SurfaceId,
     };
     use umbriel_kernels::{
-        Plane, Ray, Sphere, Surface, VectorUnit,
+        Plane, Ray, Sphere, Surface,
         glam::{Affine3A, Vec2, Vec3},
     };
 
@@ -312,15 +305,15 @@ mod tests {
         seen: &[(Ray, umbriel_kernels::Hit)],
     ) {
         let mut surfaces = SurfaceLanes::default();
-        let mut lanes = MapVisibility::new(maps);
         let mut fractions = [0.0; LANES];
         for unit in VectorUnit::available() {
+            let mut lanes = MapVisibility::new(maps, unit);
             for light in 0..3 {
                 unit.run(
                     #[inline(always)]
                     || {
                         surfaces.fill(bvh, instance, seen.iter().copied());
-                        lanes.fractions(light, &surfaces, &mut fractions);
+                        lanes.fractions(light, &surfaces, &[1.0; LANES], &mut fractions);
                     },
                 );
                 for (i, fraction) in fractions.iter().enumerate().take(seen.len()) {

@@ -4,6 +4,8 @@ use super::super::taps::Taps;
 use umbriel_kernels::glam::Vec2;
 
 /// The share of lit texels at `radius` times the points of a unit disk.
+///
+/// Source: Uralsky, "Efficient Soft-Edged Shadows Using Pixel Shader Branching", GPU Gems 2, 2005, chapter 17 (comparisons in a disk).
 pub(crate) fn filter_disk(taps: &Taps, disk: &[Vec2], radius: f32) -> f32 {
     let lit = |&&point: &&Vec2| {
         let [x, y] = taps.texel_at(point * radius);

@@ -24,7 +24,7 @@ pub(crate) fn chebyshev([m1, m2]: [f32; 2], t: f32, least_variance: f32) -> f32 
     variance / (variance + (t - m1) * (t - m1))
 }
 
-/// The lit share at depth `t`.
+/// The lit share at depth `t`: the bound of [`chebyshev`].
 pub(crate) fn filter_vsm(moments: [f32; 2], t: f32) -> f32 {
     chebyshev(moments, t, LEAST_VARIANCE)
 }
