@@ -65,9 +65,8 @@ impl Drawn {
     }
 
     /// Leaves what each of `len` pixels sees of the triangles.
-    fn meet(&mut self, hits: &mut Vec<Option<Hit>>, len: usize) {
+    fn meet(&mut self, unit: VectorUnit, hits: &mut Vec<Option<Hit>>, len: usize) {
         self.found.resize(self.rays.len(), None);
-        let unit = VectorUnit::default();
         triangle_coordinates_each(unit, &self.rays, &self.triangles, &mut self.found);
         hits.clear();
         hits.resize(len, None);
@@ -120,7 +119,10 @@ impl<'a> EyeRaster<'a> {
             };
             Some(Solid {
                 instance: i as u32,
-                list: SurfaceList::new(vec![(i as u32, scene.surfaces[id.index()])]),
+                list: SurfaceList::with_unit(
+                    bvh.unit(),
+                    vec![(i as u32, scene.surfaces[id.index()])],
+                ),
                 to_object: bvh.to_object(InstanceId(i as u32)).copied(),
                 cutoff: cutoff(i),
                 rect: covered(&view, bvh, i, size),
@@ -131,7 +133,7 @@ impl<'a> EyeRaster<'a> {
             frame: camera.frame(size),
             place,
             size,
-            draws: SceneDraws::new(bvh, &first_ids, clip, |i| Some(cutoff(i))),
+            draws: SceneDraws::new(bvh, &first_ids, clip, |i| Some(cutoff(i)), false),
             solids: (0..scene.instances.len()).filter_map(solid).collect(),
             first_ids,
         }
@@ -139,7 +141,7 @@ impl<'a> EyeRaster<'a> {
 
     /// The triangles cut and sorted into tiles.
     pub(crate) fn raster(&self, least_w: f32) -> Raster<'_> {
-        Raster::new(self.size, TILE, least_w, &self.draws.draws)
+        Raster::with_unit(self.size, TILE, least_w, &self.draws.draws, self.bvh.unit())
     }
 
     /// Draws the triangles of one tile.
@@ -152,10 +154,17 @@ impl<'a> EyeRaster<'a> {
     /// What the pixels of `rect`, whole rows of a drawn tile, see; `ids` are the numbers of the triangles drawn there.
     pub(crate) fn see(&self, rect: [u32; 4], ids: &[u32], seen: &mut Seen) {
         let [x0, y0, x1, y1] = rect;
+        let unit = self.bvh.unit();
         seen.rays.clear();
         for y in y0..y1 {
             let corner = Vec2::new(x0 as f32, y as f32) + self.place;
-            push_row(&self.frame, corner, (x1 - x0) as usize, &mut seen.rays);
+            push_row(
+                unit,
+                &self.frame,
+                corner,
+                (x1 - x0) as usize,
+                &mut seen.rays,
+            );
         }
         seen.drawn.clear();
         let mut pixel = 0;
@@ -165,7 +174,7 @@ impl<'a> EyeRaster<'a> {
             self.find_triangle(run[0], &seen.rays, pixels, &mut seen.drawn);
             pixel += run.len();
         }
-        seen.drawn.meet(&mut seen.hits, seen.rays.len());
+        seen.drawn.meet(unit, &mut seen.hits, seen.rays.len());
         for solid in &self.solids {
             self.see_solid(solid, rect, seen);
         }
@@ -301,10 +310,10 @@ impl<'a> EyeRaster<'a> {
 }
 
 /// Pushes the rays of a row of pixels, the first of which goes through `place`.
-fn push_row(frame: &CameraFrame, place: Vec2, len: usize, rays: &mut Vec<Ray>) {
+fn push_row(unit: VectorUnit, frame: &CameraFrame, place: Vec2, len: usize, rays: &mut Vec<Ray>) {
     let start = rays.len();
     rays.resize(start + len, Ray::new(Vec3::ZERO, Vec3::Z));
-    VectorUnit::default().run(
+    unit.run(
         #[inline(always)]
         || {
             for (i, ray) in rays[start..].iter_mut().enumerate() {

@@ -109,7 +109,7 @@ impl<'a> Tracer<'a> {
         Self {
             bvh,
             settings,
-            unit: VectorUnit::default(),
+            unit: bvh.unit(),
             shadow_rays: ShadowRays::new(bvh, settings.glass_shadows),
             maps: maps.filter(|_| settings.shadows).map(MapVisibility::new),
             direct: DirectLight::default(),

@@ -33,7 +33,7 @@ pub struct ShadowMaps {
 ///
 /// A map knows one depth a texel: what is in it blocks all light, what is not blocks none. Masked materials are in it where they are not
 /// holes, partly transparent ones ([`AlphaMode::Blend`](crate::AlphaMode::Blend)) where their alpha is at least one half, and glass not at all under
-/// [`GlassShadows::Filtered`], which shadow rays tint. Backs of single-sided meshes are not in it.
+/// [`GlassShadows::Filtered`], which shadow rays tint. Single-sided meshes are in it from both sides, as shadow rays meet them.
 #[derive(Clone, Debug)]
 pub struct ShadowMap {
     /// How it was made and is read.
@@ -259,7 +259,7 @@ impl Job<'_> {
         } else {
             // Parallel light has w = 1 everywhere.
             let least_w = if view.perspective { view.near } else { 0.5 };
-            let raster = Raster::new(size, TILE, least_w, &draws.draws);
+            let raster = Raster::with_unit(size, TILE, least_w, &draws.draws, self.bvh.unit());
             let keep = |draw, primitive, u, v| draws.is_kept(scene, draw, primitive, u, v);
             let mut image = lock(&self.former).pop().unwrap_or_default();
             raster.depth_image_into(self.with_ids, Some(&keep), &mut image);
@@ -293,6 +293,7 @@ fn caster_draws<'a>(
                 Casts::Nothing => None,
             }
         },
+        true,
     )
 }
 
