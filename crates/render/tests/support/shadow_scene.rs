@@ -37,7 +37,7 @@ fn torus([u, v]: [u32; 2]) -> Mesh {
 }
 
 /// A box that stands on the ground.
-fn cuboid(half: Vec3, turn: Quat, at: Vec3) -> Mesh {
+pub(crate) fn cuboid(half: Vec3, turn: Quat, at: Vec3) -> Mesh {
     let corner = |k: u32| {
         let side = |axis: u32| if k >> axis & 1 == 0 { -1.0 } else { 1.0 };
         at + turn * (half * Vec3::new(side(0), 1.0 + side(1), side(2)) * Vec3::new(1.0, 0.5, 1.0))
