@@ -56,9 +56,8 @@ impl Drawn {
     }
 
     /// Leaves what each of `len` pixels sees of the triangles.
-    fn meet(&mut self, hits: &mut Vec<Option<Hit>>, len: usize) {
+    fn meet(&mut self, unit: VectorUnit, hits: &mut Vec<Option<Hit>>, len: usize) {
         self.found.resize(self.rays.len(), None);
-        let unit = VectorUnit::default();
         triangle_coordinates_each(unit, &self.rays, &self.triangles, &mut self.found);
         hits.clear();
         hits.resize(len, None);
@@ -110,7 +109,7 @@ impl<'a> EyeRaster<'a> {
             plain: (0..scene.instances.len())
                 .map(|i| plain(bvh, i, [first_ids[i], first_ids[i + 1]]))
                 .collect(),
-            draws: SceneDraws::new(bvh, &first_ids, clip, |i| Some(cutoff(scene, i))),
+            draws: SceneDraws::new(bvh, &first_ids, clip, |i| Some(cutoff(scene, i)), false),
             solids: (0..scene.instances.len())
                 .filter_map(|i| EyeSolid::new(bvh, &view, i, size, cutoff(scene, i)))
                 .collect(),
@@ -120,7 +119,7 @@ impl<'a> EyeRaster<'a> {
 
     /// The triangles cut and sorted into tiles.
     pub(crate) fn raster(&self, least_w: f32) -> Raster<'_> {
-        Raster::new(self.size, TILE, least_w, &self.draws.draws)
+        Raster::with_unit(self.size, TILE, least_w, &self.draws.draws, self.bvh.unit())
     }
 
     /// Takes the general way everywhere.
@@ -161,10 +160,17 @@ impl<'a> EyeRaster<'a> {
     /// What the pixels of `rect`, whole rows of a drawn tile, see; `ids` are the numbers of the triangles drawn there.
     fn see(&self, rect: [u32; 4], ids: &[u32], seen: &mut Seen) {
         let [x0, y0, x1, y1] = rect;
+        let unit = self.bvh.unit();
         seen.rays.clear();
         for y in y0..y1 {
             let corner = Vec2::new(x0 as f32, y as f32) + self.place;
-            push_row(&self.frame, corner, (x1 - x0) as usize, &mut seen.rays);
+            push_row(
+                unit,
+                &self.frame,
+                corner,
+                (x1 - x0) as usize,
+                &mut seen.rays,
+            );
         }
         seen.drawn.clear();
         let mut pixel = 0;
@@ -174,7 +180,7 @@ impl<'a> EyeRaster<'a> {
             self.find_triangle(run[0], &seen.rays, pixels, &mut seen.drawn);
             pixel += run.len();
         }
-        seen.drawn.meet(&mut seen.hits, seen.rays.len());
+        seen.drawn.meet(unit, &mut seen.hits, seen.rays.len());
         for solid in &self.solids {
             solid.see(self.bvh.scene(), rect, &seen.rays, &mut seen.hits);
         }
@@ -287,10 +293,10 @@ fn plain<'a>(bvh: &'a SceneBvh, instance: usize, ids: [u32; 2]) -> Option<SeenMe
 }
 
 /// Pushes the rays of a row of pixels, the first of which goes through `place`.
-fn push_row(frame: &CameraFrame, place: Vec2, len: usize, rays: &mut Vec<Ray>) {
+fn push_row(unit: VectorUnit, frame: &CameraFrame, place: Vec2, len: usize, rays: &mut Vec<Ray>) {
     let start = rays.len();
     rays.resize(start + len, Ray::new(Vec3::ZERO, Vec3::Z));
-    VectorUnit::default().run(
+    unit.run(
         #[inline(always)]
         || {
             for (i, ray) in rays[start..].iter_mut().enumerate() {

@@ -36,7 +36,10 @@ impl EyeSolid {
         };
         let number = instance as u32;
         Some(Self {
-            list: SurfaceList::new(vec![(number, scene.surfaces[id.index()].clone())]),
+            list: SurfaceList::with_unit(
+                bvh.unit(),
+                vec![(number, scene.surfaces[id.index()].clone())],
+            ),
             to_object: bvh.to_object(InstanceId(number)).copied(),
             cutoff,
             rect: covered(view, bvh, instance, size),

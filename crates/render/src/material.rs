@@ -72,7 +72,8 @@ pub struct Material {
     pub attenuation_distance: f32,
     /// What alpha means.
     pub alpha_mode: AlphaMode,
-    /// Triangles are seen from behind, too, as fronts. Otherwise no ray meets them from behind, as in glTF; surfaces
+    /// Triangles are seen from behind, too, as fronts. Otherwise no eye sees them from behind, as in glTF, but light is stopped all the same, by rays
+    /// and in shadow maps: glTF culls what is shown, and a wall that is not shown from outside still keeps the sun out. Surfaces
     /// that are no meshes and glass, which light must leave again, are always there.
     pub double_sided: bool,
     /// Shows its base colour as it is, without any light (KHR_materials_unlit).

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use std::sync::OnceLock;
 use umbriel_kernels::{
     Aabb, BuildQuality, Clusters, Hit, InstanceBvh, MeshBvh, Placed, Ray, Shape, SurfaceList,
-    glam::Affine3A,
+    VectorUnit, glam::Affine3A,
 };
 
 /// A scene made ready for rays: one tree over its instances, and one over the triangles of each mesh.
@@ -16,6 +16,7 @@ use umbriel_kernels::{
 pub struct SceneBvh<'a> {
     scene: &'a Scene,
     placed: Vec<Placed>,
+    unit: VectorUnit,
     /// Once rays ask for it.
     instances: OnceLock<InstanceBvh>,
     /// All of the scene, where it is a handful of surfaces.
@@ -43,14 +44,31 @@ impl<'a> SceneBvh<'a> {
     /// pool, as [`render()`](crate::render()) sees to.
     pub fn without_trees(scene: &'a Scene) -> Self {
         let placed: Vec<Placed> = scene.instances.iter().map(|i| place(scene, i)).collect();
+        let unit = VectorUnit::default();
         Self {
             scene,
-            handful: handful(&placed),
+            unit,
+            handful: handful(&placed, unit),
             placed,
             instances: OnceLock::new(),
             clusters: OnceLock::new(),
             mesh_bounds: OnceLock::new(),
         }
+    }
+
+    /// The same scene without trees, rendered by another vector unit: for tests that all give the same bytes.
+    pub fn with_unit(self, unit: VectorUnit) -> Self {
+        Self {
+            unit,
+            handful: handful(&self.placed, unit),
+            instances: OnceLock::new(),
+            ..self
+        }
+    }
+
+    /// The vector unit that pictures of the scene are made by.
+    pub(crate) fn unit(&self) -> VectorUnit {
+        self.unit
     }
 
     /// Builds the trees, unless they are there.
@@ -61,7 +79,7 @@ impl<'a> SceneBvh<'a> {
     fn instances(&self) -> &InstanceBvh {
         self.instances.get_or_init(|| {
             let meshes = self.scene.meshes.par_iter().map(build_mesh).collect();
-            InstanceBvh::build(meshes, self.placed.clone())
+            InstanceBvh::build(meshes, self.placed.clone()).with_unit(self.unit)
         })
     }
 
@@ -70,9 +88,9 @@ impl<'a> SceneBvh<'a> {
         self.scene
     }
 
-    /// Bytes that the trees hold on the heap.
+    /// Bytes that the trees hold on the heap; 0 while there are none.
     pub fn memory(&self) -> usize {
-        self.instances().memory()
+        self.instances.get().map_or(0, InstanceBvh::memory)
     }
 
     /// Number of triangles of all meshes that no ray can hit, because they have no area.
@@ -95,11 +113,23 @@ impl<'a> SceneBvh<'a> {
             Some(list) => list.closest(rays, hits),
             None => self
                 .instances()
+                .closest_hits(rays, hits, &|ray, hit| self.is_seen(ray, hit)),
+        }
+    }
+
+    /// The first thing that stands in the way of each ray of light: as [`SceneBvh::intersect`], but light is stopped by either side of a mesh.
+    pub(crate) fn first_blockers(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len());
+        match &self.handful {
+            Some(list) => list.closest(rays, hits),
+            None => self
+                .instances()
                 .closest_hits(rays, hits, &|ray, hit| !self.is_hole(ray, hit)),
         }
     }
 
-    /// Whether anything stands in each ray's way. `occluded` is as long as `rays`.
+    /// Whether anything stands in each ray's way: either side of it, single-sided or not, but for the holes of masked materials. `occluded` is as
+    /// long as `rays`.
     pub fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
         assert_eq!(rays.len(), occluded.len());
         match &self.handful {
@@ -137,22 +167,26 @@ impl<'a> SceneBvh<'a> {
         self.placed[instance.index()].to_object.as_ref()
     }
 
-    /// Tells whether nothing is there at the hit of this object-space ray: a masked hole, or the back of a triangle
-    /// that has only a front.
-    fn is_hole(&self, object_ray: &Ray, hit: &Hit) -> bool {
+    /// Tells whether an eye sees what this object-space ray hits: no masked hole, and no back of a triangle that has only a front.
+    fn is_seen(&self, object_ray: &Ray, hit: &Hit) -> bool {
         let instance = &self.scene.instances[hit.instance as usize];
-        let material = &self.scene.materials[instance.material.index()];
         if let Geometry::Mesh(id) = instance.geometry
-            && !material.shows_back()
+            && !self.scene.materials[instance.material.index()].shows_back()
         {
             let normal = self.scene.meshes[id.index()]
                 .triangle(hit.primitive as usize)
                 .normal();
             if (normal.dot(object_ray.dir) > 0.0) != instance.inside_out {
-                return true;
+                return false;
             }
         }
-        match material.alpha_mode {
+        !self.is_hole(object_ray, hit)
+    }
+
+    /// Tells whether this object-space ray hits a masked hole.
+    fn is_hole(&self, object_ray: &Ray, hit: &Hit) -> bool {
+        let instance = &self.scene.instances[hit.instance as usize];
+        match self.scene.materials[instance.material.index()].alpha_mode {
             AlphaMode::Mask { cutoff } => surface::alpha_at(self.scene, object_ray, hit) < cutoff,
             AlphaMode::Opaque | AlphaMode::Blend => false,
         }
@@ -160,7 +194,7 @@ impl<'a> SceneBvh<'a> {
 }
 
 /// The whole scene as a list, if it is a handful of untransformed surfaces without holes.
-fn handful(placed: &[Placed]) -> Option<SurfaceList> {
+fn handful(placed: &[Placed], unit: VectorUnit) -> Option<SurfaceList> {
     let plain = |(k, placed): (usize, &Placed)| match &placed.shape {
         Shape::Surface(surface) if placed.to_object.is_none() && !placed.filtered => {
             Some((k as u32, surface.clone()))
@@ -171,7 +205,7 @@ fn handful(placed: &[Placed]) -> Option<SurfaceList> {
         return None;
     }
     let surfaces: Option<Vec<_>> = placed.iter().enumerate().map(plain).collect();
-    surfaces.map(SurfaceList::new)
+    surfaces.map(|surfaces| SurfaceList::with_unit(unit, surfaces))
 }
 
 fn build_mesh(mesh: &Mesh) -> MeshBvh {

@@ -39,12 +39,13 @@ pub(crate) struct SceneDraws<'a> {
 
 impl<'a> SceneDraws<'a> {
     /// The meshes of the scene in the view whose clip space `clip` gives for an instance's transform. `cutoff` says of an instance whether it is
-    /// drawn at all, and if so whether only where its alpha is not below a number.
+    /// drawn at all, and if so whether only where its alpha is not below a number; `backs` draws those of single-sided meshes, too.
     pub(crate) fn new(
         bvh: &'a SceneBvh,
         first_ids: &[u32],
         clip: impl Fn(&Affine3A) -> (Vec3, Mat4),
         cutoff: impl Fn(usize) -> Option<Option<f32>>,
+        backs: bool,
     ) -> Self {
         let scene = bvh.scene();
         let mut all = Self::default();
@@ -57,7 +58,7 @@ impl<'a> SceneDraws<'a> {
             };
             let mesh = &scene.meshes[id.index()];
             let (origin, matrix) = clip(&instance.transform);
-            let shows_back = scene.materials[instance.material.index()].shows_back();
+            let shows_back = backs || scene.materials[instance.material.index()].shows_back();
             all.sources.push((i as u32, cutoff.unwrap_or(0.0)));
             all.draws.push(Draw {
                 clusters: &bvh.clusters()[id.index()],

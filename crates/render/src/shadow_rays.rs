@@ -58,7 +58,7 @@ impl<'a> ShadowRays<'a> {
         let filter_glass = glass == GlassShadows::Filtered;
         Self {
             bvh,
-            unit: VectorUnit::default(),
+            unit: bvh.unit(),
             filter_glass,
             translucent: is_translucent(bvh.scene(), filter_glass),
             occluded: Vec::new(),
@@ -81,7 +81,7 @@ impl<'a> ShadowRays<'a> {
         self.way.numbers.extend(0..rays.len() as u32);
         for _ in 0..MAX_PASSES {
             self.hits.resize(self.way.rays.len(), None);
-            self.bvh.intersect(&self.way.rays, &mut self.hits);
+            self.bvh.first_blockers(&self.way.rays, &mut self.hits);
             self.groups
                 .sort(&self.hits, self.bvh.scene().instances.len());
             self.next.clear();

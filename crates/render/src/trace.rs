@@ -107,7 +107,7 @@ impl<'a> Tracer<'a> {
         settings: &'a Settings,
         maps: Option<&'a ShadowMaps>,
     ) -> Self {
-        let unit = VectorUnit::default();
+        let unit = bvh.unit();
         Self {
             bvh,
             settings,

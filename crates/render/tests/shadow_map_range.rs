@@ -2,7 +2,7 @@
 
 mod support;
 
-use support::{add_surface, draw, floor, matte, point_light, sun};
+use support::{add_surface, draw, floor, matte, point_light, shadow_scene::spot, sun};
 use umbriel_render::{
     Camera, Film, Method, Scene, Settings, ShadowMapSettings,
     kernels::{Plane, Sphere, Surface, glam::Vec3},
@@ -79,4 +79,32 @@ fn a_light_in_a_plane_is_not_in_its_own_shadow() {
     ];
     let share = differing(&scene);
     assert!(share < 0.01, "{share}");
+}
+
+/// A lamp far away lights like the sun: the further, the more alike, at any distance.
+#[test]
+fn far_lights_are_like_suns() {
+    for with_floor in [false, true] {
+        for distance in [30.0, 1e3, 1e5, 1e7, 1e10_f32] {
+            let mut scene = Scene::default();
+            if with_floor {
+                add_surface(&mut scene, floor(), matte(Vec3::ONE));
+            }
+            add_surface(&mut scene, ball(Vec3::Y, 1.0), matte(Vec3::ONE));
+            add_surface(
+                &mut scene,
+                ball(Vec3::new(0.8, 2.3, 0.5), 0.4),
+                matte(Vec3::ONE),
+            );
+            let way = Vec3::new(0.5, 0.8, 0.3).normalize();
+            let light = point_light(way * distance, 10.0 * distance * distance);
+            let cone = spot(way * distance, -way, 0.3);
+            for light in [light, cone] {
+                scene.lights = vec![light];
+                let share = differing(&scene);
+                println!("{distance} m, floor {with_floor}: {share}");
+                assert!(share < 0.01, "{distance} m: {share}");
+            }
+        }
+    }
 }

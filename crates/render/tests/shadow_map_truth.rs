@@ -2,112 +2,19 @@
 
 mod support;
 
-use support::shadow_scene::{SEGMENTS, camera, tori};
-use umbriel_render::{
-    Bias, BiasUnit, Camera, GlassShadows, Light, PointLight, SceneBvh, Settings, ShadowMapSettings,
-    ShadowMaps, ShadowRays, SpotLight, Visibility,
-    kernels::{
-        Interval, Ray,
-        glam::{Vec2, Vec3},
-        offset_origin,
-    },
-    surface_interaction,
+use support::{
+    shadow_scene::{SEGMENTS, camera, tori},
+    shadow_truth::{Errors, Truth, errors, maps, truth},
 };
-
-/// What is visible and faces the light: place, normal, and what a ray says.
-struct Truth {
-    points: Vec<(Vec3, Vec3)>,
-    lit: Vec<bool>,
-}
-
-/// Shares of the points that are wrongly dark and wrongly lit.
-#[derive(Clone, Copy, Debug)]
-struct Errors {
-    acne: f32,
-    leak: f32,
-}
-
-impl Errors {
-    fn sum(self) -> f32 {
-        self.acne + self.leak
-    }
-}
-
-fn truth(bvh: &SceneBvh, camera: &Camera, size: [u32; 2]) -> Truth {
-    let frame = camera.frame(size);
-    let pixels = (0..size[0] * size[1]).map(|i| [i % size[0], i / size[0]]);
-    let rays: Vec<Ray> = pixels
-        .map(|[x, y]| frame.ray(Vec2::new(x as f32 + 0.5, y as f32 + 0.5)))
-        .collect();
-    let mut hits = vec![None; rays.len()];
-    bvh.intersect(&rays, &mut hits);
-    let (mut points, mut questions) = (Vec::new(), Vec::new());
-    let light = &bvh.scene().lights[0];
-    for (ray, hit) in rays.iter().zip(&hits) {
-        let Some(hit) = hit else { continue };
-        let surface = surface_interaction(bvh, ray, hit);
-        let Some(sample) = light.sample(surface.p) else {
-            continue;
-        };
-        if surface.ng.dot(sample.wi) <= 1e-3 {
-            continue;
-        }
-        points.push((surface.p, surface.ng));
-        let origin = offset_origin(surface.p, surface.error, surface.ng, sample.wi);
-        questions.push(Ray {
-            origin,
-            dir: if sample.t_max <= 1.0 {
-                surface.p + sample.to_light - origin
-            } else {
-                sample.to_light
-            },
-            t: Interval {
-                min: 0.0,
-                max: sample.t_max,
-            },
-        });
-    }
-    let mut fractions = vec![Vec3::ZERO; points.len()];
-    let lights = vec![0; points.len()];
-    ShadowRays::new(bvh, GlassShadows::Opaque).transmittance(&questions, &lights, &mut fractions);
-    Truth {
-        points,
-        lit: fractions.iter().map(|f| f.x > 0.5).collect(),
-    }
-}
-
-fn errors(maps: &ShadowMaps, truth: &Truth) -> Errors {
-    let (mut acne, mut leak) = (0, 0);
-    for (&(p, ng), &lit) in truth.points.iter().zip(&truth.lit) {
-        let found = maps.of(0).fraction(p, ng) > 0.5;
-        acne += u32::from(lit && !found);
-        leak += u32::from(!lit && found);
-    }
-    let share = |count: u32| 100.0 * count as f32 / truth.points.len() as f32;
-    Errors {
-        acne: share(acne),
-        leak: share(leak),
-    }
-}
-
-fn maps(
-    bvh: &SceneBvh,
-    camera: &Camera,
-    size: [u32; 2],
-    settings: ShadowMapSettings,
-) -> ShadowMaps {
-    let settings = Settings {
-        resolution: size,
-        shadow_maps: vec![settings],
-        ..Settings::default()
-    };
-    ShadowMaps::render(bvh, camera, &settings, false)
-}
+use umbriel_render::{
+    Bias, BiasUnit, GlassShadows, Light, PointLight, SceneBvh, ShadowMapSettings, SpotLight,
+    kernels::glam::Vec3,
+};
 
 const SIZE: [u32; 2] = [1280, 720];
 
 fn score(bvh: &SceneBvh, truth: &Truth, settings: ShadowMapSettings) -> Errors {
-    let maps = maps(bvh, &camera(), SIZE, settings);
+    let maps = maps(bvh, &camera(), SIZE, settings, GlassShadows::Opaque);
     let found = errors(&maps, truth);
     let (resolution, bias) = (settings.resolution, settings.bias);
     println!(
@@ -125,7 +32,7 @@ fn score(bvh: &SceneBvh, truth: &Truth, settings: ShadowMapSettings) -> Errors {
 fn the_default_bias_leaves_aliasing_alone() {
     let scene = tori(SEGMENTS, true);
     let bvh = SceneBvh::build(&scene);
-    let truth = truth(&bvh, &camera(), SIZE);
+    let truth = truth(&bvh, &camera(), SIZE, GlassShadows::Opaque);
     for (resolution, most) in [(512, 0.9), (1024, 0.44), (2048, 0.23), (4096, 0.13)] {
         let at = |bias| {
             let settings = ShadowMapSettings {
@@ -181,7 +88,7 @@ fn every_light_agrees_with_rays() {
     for light in [Light::Spot(spot), Light::Spot(wide), Light::Point(point)] {
         scene.lights = vec![light];
         let bvh = SceneBvh::build(&scene);
-        let truth = truth(&bvh, &camera(), SIZE);
+        let truth = truth(&bvh, &camera(), SIZE, GlassShadows::Opaque);
         let hard = score(&bvh, &truth, ShadowMapSettings::default()).sum();
         assert!(hard < 0.6, "{hard} of {:?}", scene.lights);
         for filter in [
@@ -208,7 +115,7 @@ fn every_light_agrees_with_rays() {
 fn cascades_have_fewer_errors() {
     let scene = tori([32, 16], true);
     let bvh = SceneBvh::build(&scene);
-    let truth = truth(&bvh, &camera(), SIZE);
+    let truth = truth(&bvh, &camera(), SIZE, GlassShadows::Opaque);
     let at = |cascades| {
         let settings = ShadowMapSettings {
             resolution: 1024,

@@ -25,7 +25,8 @@ impl SurfaceList {
         Self::with_unit(VectorUnit::default(), surfaces)
     }
 
-    fn with_unit(unit: VectorUnit, surfaces: Vec<(u32, Surface)>) -> Self {
+    /// The same by another vector unit, for tests that all give the same.
+    pub fn with_unit(unit: VectorUnit, surfaces: Vec<(u32, Surface)>) -> Self {
         debug_assert!(surfaces.is_sorted_by_key(|s| s.0));
         Self { unit, surfaces }
     }

@@ -110,7 +110,7 @@ fn solid(
     Some(Solid {
         instance: i as u32,
         first_id: first_ids[i],
-        list: SurfaceList::new(vec![(i as u32, surface.clone())]),
+        list: SurfaceList::with_unit(bvh.unit(), vec![(i as u32, surface.clone())]),
         plane: match surface {
             Surface::Plane(plane) => Some(*plane),
             _ => None,

@@ -6,7 +6,7 @@ use umbriel_kernels::glam::{DMat3, DVec3, Vec3};
 
 /// The nearest caster's distance as a share of the furthest one's; what is nearer to the light casts no shadow. Stored depths are as
 /// fine at any share: it must only be so small that a far dome, or a plane given by a far point, takes no near caster away.
-const LEAST_DISTANCE: f32 = 1.0 / (1_u64 << 40) as f32;
+pub(super) const LEAST_DISTANCE: f32 = 1.0 / (1_u64 << 40) as f32;
 /// Spot lights with wider cones (about 63°) have a cube: one face would spend its texels on the rim.
 const WIDEST_FACE: f32 = 1.1;
 

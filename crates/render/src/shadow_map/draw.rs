@@ -5,6 +5,7 @@ use super::{
     casters::{Casts, casts, cutoff, draw_surfaces},
     cube,
     extent::{Extent, world_plane},
+    far::{FarLight, narrow},
     filter::{LightSize, Moments, poisson_disk, vogel_disk},
     fit,
 };
@@ -33,7 +34,7 @@ pub struct ShadowMaps {
 ///
 /// A map knows one depth a texel: what is in it blocks all light, what is not blocks none. Masked materials are in it where they are not
 /// holes, partly transparent ones ([`AlphaMode::Blend`](crate::AlphaMode::Blend)) where their alpha is at least one half, and glass not at all under
-/// [`GlassShadows::Filtered`], which shadow rays tint. Backs of single-sided meshes are not in it.
+/// [`GlassShadows::Filtered`], which shadow rays tint. Single-sided meshes are in it from both sides, as shadow rays meet them.
 #[derive(Clone, Debug)]
 pub struct ShadowMap {
     /// How it was made and is read.
@@ -48,7 +49,7 @@ pub struct ShadowMap {
     /// Points of the filter's disk.
     pub(super) disk: Vec<Vec2>,
     pub(super) size: LightSize,
-    /// Infinite planes, which shadow what lies beyond the images of parallel light, too.
+    /// Infinite planes, which shadow what lies beyond the images of parallel and of far light, too.
     pub(super) planes: Vec<Plane>,
     pub(super) direction: Vec3,
     /// The planes shadow nothing nearer than this, in metres.
@@ -133,7 +134,7 @@ impl ShadowMaps {
 }
 
 impl ShadowMap {
-    /// How many depth images a light has with these settings.
+    /// How many depth images a light has with these settings; a point light far from all that casts shadows makes do with one.
     pub fn images(light: &Light, settings: &ShadowMapSettings) -> u32 {
         cube::images(light, settings)
     }
@@ -151,8 +152,8 @@ impl ShadowMap {
         texels * numbers * 4
     }
 
-    /// Its depth images: the cascades of a directional light from the nearest on, one of a spot light, or the six of a cube for point lights and
-    /// wide spot lights, +x, −x, +y, −y, +z, −z. None for parallel light that nothing visible stands in.
+    /// Its depth images: the cascades of a directional light from the nearest on, one of a spot light and of what is far away, or the six of a cube for point
+    /// lights and wide spot lights, +x, −x, +y, −y, +z, −z. None for parallel light that nothing visible stands in.
     pub fn faces(&self) -> &[DepthMap] {
         &self.faces
     }
@@ -174,30 +175,41 @@ impl Job<'_> {
     fn map(&self, number: usize, light: &Light) -> ShadowMap {
         let settings = self.settings.shadow_maps.get(number);
         let settings = settings.copied().unwrap_or_default();
-        let views = self.views(light, &settings);
+        let far = self.far(light);
+        let views = self.views(light, far, &settings);
         let faces: Vec<DepthMap> = views.into_iter().map(|view| self.draw(view)).collect();
-        let moments = faces
-            .iter()
-            .filter_map(|map| Moments::new(map, &settings.filter));
-        let (direction, is_parallel) = match light {
-            Light::Directional(light) => (light.direction, true),
-            _ => (Vec3::ZERO, false),
+        let (direction, size) = match (light, far) {
+            (Light::Directional(light), _) => {
+                let size = 2.0 * (0.5 * settings.light_size).tan();
+                (light.direction, LightSize::Spread(size))
+            }
+            (
+                _,
+                Some(FarLight::Parallel {
+                    direction,
+                    distance,
+                }),
+            ) => (direction, LightSize::Spread(settings.light_size / distance)),
+            _ => (Vec3::ZERO, LightSize::Diameter(settings.light_size)),
         };
-        let widths = faces.iter().map(|map| map.view.texel_width(1.0));
+        let is_parallel = matches!(size, LightSize::Spread(_));
+        let cube = faces.len() == 6 && !is_parallel;
+        let distance = match far {
+            Some(FarLight::Narrow { distance, .. }) => distance as f32,
+            _ => 1.0,
+        };
+        let widths = faces.iter().map(|map| map.view.texel_width(distance));
         let coarsest = widths.fold(0.0, f32::max);
         ShadowMap {
-            cube: faces.len() == 6 && !is_parallel,
-            moments: moments.collect(),
+            cube,
+            moments: Moments::of(&faces, cube, &settings.filter),
             nearest: match settings.filter {
                 ShadowFilter::Pcss { .. } => faces.iter().map(|map| map.range().0).collect(),
                 _ => Vec::new(),
             },
             disk: disk(&settings.filter),
-            size: match is_parallel {
-                true => LightSize::Spread(2.0 * (0.5 * settings.light_size).tan()),
-                false => LightSize::Diameter(settings.light_size),
-            },
-            planes: if is_parallel {
+            size,
+            planes: if is_parallel || far.is_some() {
                 self.planes()
             } else {
                 Vec::new()
@@ -209,20 +221,52 @@ impl Job<'_> {
         }
     }
 
-    fn views(&self, light: &Light, settings: &ShadowMapSettings) -> Vec<LightView> {
+    /// Whether a point or spot light is far away. A spot light that is not has an image of its cone, if that is narrower.
+    fn far(&self, light: &Light) -> Option<FarLight> {
+        let (position, cone) = match light {
+            Light::Directional(_) => return None,
+            Light::Spot(light) => (light.position, f64::from(light.outer_angle).tan()),
+            Light::Point(light) => (light.position, f64::INFINITY),
+        };
+        let far = FarLight::of(position, &self.extent.finite);
+        far.filter(|far| match far {
+            FarLight::Narrow { tan, .. } => *tan < cone || cone < 0.0,
+            FarLight::Parallel { .. } => true,
+        })
+    }
+
+    fn views(
+        &self,
+        light: &Light,
+        far: Option<FarLight>,
+        settings: &ShadowMapSettings,
+    ) -> Vec<LightView> {
         let side = settings.resolution.max(1);
-        match light {
-            Light::Directional(light) => fit::directional(
-                light.direction,
-                self.extent,
-                self.camera,
-                self.settings.resolution,
-                settings,
-            ),
-            Light::Spot(light) => cube::spot(light, self.extent.reach(light.position), side),
-            Light::Point(light) => {
-                cube::cube(light.position, self.extent.reach(light.position), side)
+        let parallel = |direction, settings: &ShadowMapSettings| {
+            let resolution = self.settings.resolution;
+            fit::directional(direction, self.extent, self.camera, resolution, settings)
+        };
+        let position = match light {
+            Light::Directional(light) => return parallel(light.direction, settings),
+            Light::Spot(light) => light.position,
+            Light::Point(light) => light.position,
+        };
+        let reach = self.extent.reach(position);
+        match (light, far) {
+            (_, Some(FarLight::Parallel { direction, .. })) => {
+                let cascades = 1;
+                let settings = ShadowMapSettings {
+                    cascades,
+                    ..*settings
+                };
+                parallel(direction, &settings)
             }
+            (_, Some(FarLight::Narrow { direction, tan, .. })) => {
+                let near = reach * cube::LEAST_DISTANCE;
+                vec![narrow(position, direction, tan, near, settings)]
+            }
+            (Light::Spot(light), None) => cube::spot(light, reach, side),
+            _ => cube::cube(position, reach, side),
         }
     }
 
@@ -259,7 +303,7 @@ impl Job<'_> {
         } else {
             // Parallel light has w = 1 everywhere.
             let least_w = if view.perspective { view.near } else { 0.5 };
-            let raster = Raster::new(size, TILE, least_w, &draws.draws);
+            let raster = Raster::with_unit(size, TILE, least_w, &draws.draws, self.bvh.unit());
             let keep = |draw, primitive, u, v| draws.is_kept(scene, draw, primitive, u, v);
             let mut image = lock(&self.former).pop().unwrap_or_default();
             raster.depth_image_into(self.with_ids, Some(&keep), &mut image);
@@ -293,6 +337,7 @@ fn caster_draws<'a>(
                 Casts::Nothing => None,
             }
         },
+        true,
     )
 }
 

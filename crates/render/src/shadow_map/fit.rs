@@ -134,7 +134,7 @@ fn view(
 }
 
 /// Texels that the map is wider on each side than what it must show.
-fn margin(settings: &ShadowMapSettings) -> f64 {
+pub(super) fn margin(settings: &ShadowMapSettings) -> f64 {
     f64::from(settings.filter.reach()) + 2.0
 }
 

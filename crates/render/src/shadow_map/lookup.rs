@@ -111,10 +111,17 @@ impl ShadowMap {
 
     /// The light at a point that no face holds.
     pub(super) fn beyond(&self, p: Vec3) -> f32 {
-        let tolerance = f64::from(self.tolerance);
+        let p = p.as_dvec3();
+        let view = self.faces.first().map(|map| &map.view);
+        // Where the way to the light ends, in lengths of its vector.
+        let (to_light, end) = match view.filter(|view| view.perspective) {
+            Some(view) => (view.origin.as_dvec3() - p, 1.0),
+            None => (-self.direction.as_dvec3(), f64::INFINITY),
+        };
+        let start = f64::from(self.tolerance) / to_light.length();
         let is_between = |plane| {
-            let t = distance_to(plane, p.as_dvec3(), -self.direction.as_dvec3());
-            t.is_some_and(|t| t > tolerance)
+            let t = distance_to(plane, p, to_light);
+            t.is_some_and(|t| t > start && t < end)
         };
         if self.planes.iter().any(is_between) {
             0.0

@@ -8,6 +8,7 @@ mod cube;
 mod depth_map;
 mod draw;
 mod extent;
+mod far;
 mod filter;
 mod fit;
 mod lookup;

@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "each test program uses its own part")]
 
 pub(crate) mod shadow_scene;
+pub(crate) mod shadow_truth;
 
 use std::sync::atomic::AtomicBool;
 use umbriel_render::{

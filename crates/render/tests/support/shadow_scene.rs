@@ -1,10 +1,14 @@
-//! The scene of the experiments with shadow maps: 25 tori over a ground, and boxes and thin walls that stand on it.
+//! The scenes of the experiments with shadow maps: 25 tori over a ground, with boxes and thin walls that stand on it; and what such tests share.
 
-use super::{Random, add_mesh};
+use super::{Random, add_mesh, add_surface, sky};
 use std::f32::consts::TAU;
 use umbriel_render::{
-    Camera, DirectionalLight, Light, Material, Mesh, Scene,
-    kernels::glam::{Quat, Vec3},
+    Camera, DirectionalLight, Film, Light, Material, Mesh, Method, Scene, Settings,
+    ShadowMapSettings, SpotLight,
+    kernels::{
+        Cuboid, Plane, Sphere, Surface, Torus,
+        glam::{Affine3A, Quat, Vec3},
+    },
 };
 
 /// About 100,000 triangles.
@@ -33,7 +37,7 @@ fn torus([u, v]: [u32; 2]) -> Mesh {
 }
 
 /// A box that stands on the ground.
-fn cuboid(half: Vec3, turn: Quat, at: Vec3) -> Mesh {
+pub(crate) fn cuboid(half: Vec3, turn: Quat, at: Vec3) -> Mesh {
     let corner = |k: u32| {
         let side = |axis: u32| if k >> axis & 1 == 0 { -1.0 } else { 1.0 };
         at + turn * (half * Vec3::new(side(0), 1.0 + side(1), side(2)) * Vec3::new(1.0, 0.5, 1.0))
@@ -113,4 +117,85 @@ pub(crate) fn camera() -> Camera {
         Vec3::Y,
         50_f32.to_radians(),
     )
+}
+
+pub(crate) fn settings(map: ShadowMapSettings) -> Settings {
+    Settings {
+        method: Method::ShadowMap,
+        resolution: [320, 240],
+        shadow_maps: vec![map],
+        ..Settings::default()
+    }
+}
+
+pub(crate) fn look_at(eye: Vec3, target: Vec3) -> Camera {
+    Camera::look_at("eye", eye, target, Vec3::new(0.1, 1.0, 0.2), 1.0)
+}
+
+pub(crate) fn square(half: f32, y: f32) -> Mesh {
+    let corner = |x: f32, z: f32| Vec3::new(half * x, y, half * z);
+    Mesh {
+        positions: vec![
+            corner(-1.0, -1.0),
+            corner(-1.0, 1.0),
+            corner(1.0, 1.0),
+            corner(1.0, -1.0),
+        ],
+        indices: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }
+}
+
+pub(crate) fn spot(position: Vec3, direction: Vec3, outer_angle: f32) -> Light {
+    Light::Spot(SpotLight {
+        name: String::new(),
+        position,
+        direction: direction.normalize(),
+        intensity: Vec3::ONE,
+        range: f32::INFINITY,
+        inner_angle: 0.1,
+        outer_angle,
+    })
+}
+
+/// The share of pixels whose colour differs at all, or by more than a share of it.
+pub(crate) fn differing(a: &Film, b: &Film, tolerance: f32) -> f32 {
+    let differ = |(a, b): &(&[f32; 4], &[f32; 4])| {
+        (0..3).any(|k| (a[k] - b[k]).abs() > tolerance * a[k].abs().max(b[k].abs()))
+    };
+    let pairs = a.image.pixels.iter().zip(&b.image.pixels);
+    pairs.filter(differ).count() as f32 / a.image.pixels.len() as f32
+}
+
+/// Rings, boxes, and one of each analytic surface.
+pub(crate) fn mixed() -> Scene {
+    let mut scene = tori([32, 16], true);
+    let v = Vec3::new;
+    let surfaces = [
+        Surface::Sphere(Sphere {
+            center: v(2.0, 1.0, 9.0),
+            radius: 0.8,
+        }),
+        Surface::Torus(Torus {
+            center: v(-2.0, 1.0, 9.0),
+            axis: v(0.3, 1.0, 0.1),
+            major_radius: 0.8,
+            minor_radius: 0.3,
+        }),
+        Surface::Cuboid(Cuboid {
+            min: v(5.0, 0.0, 8.0),
+            max: v(6.0, 1.0, 9.0),
+        }),
+        Surface::Plane(Plane {
+            point: v(0.0, -0.5, 0.0),
+            normal: Vec3::Y,
+        }),
+    ];
+    for surface in surfaces {
+        add_surface(&mut scene, surface, Material::default());
+    }
+    let last = scene.instances.len() - 4;
+    scene.instances[last].transform = Affine3A::from_scale(v(1.0, 1.3, 0.9));
+    scene.environment = sky(Vec3::splat(0.1));
+    scene
 }
