@@ -43,8 +43,8 @@ pub use png::encode_png;
 pub use read_image::{PictureKind, read_image};
 pub use report::{Report, one_line};
 pub use scene_file::{
-    LoadOptions, Loaded, SceneSettings, ShadowMapOverrides, check_shadow_map_side, load_scene,
-    scene_schema,
+    LoadOptions, Loaded, MAX_PIXELS, MAX_SIDE, SceneSettings, ShadowMapOverrides,
+    check_shadow_map_side, load_scene, scene_schema,
 };
 pub use texture_file::load_texture;
 pub use umbriel_render as render;

@@ -3,14 +3,17 @@
 use crate::{
     AlphaMode, Camera, CameraFrame, Development, Film, Image, Method, Sampling, Scene, SceneBvh,
     Settings, ShadowMaps, Stats, adaptive, develop, eye_raster, raster_tiles,
-    sampler::sample_pixel, trace::Tracer,
+    sampler::sample_pixel, scene_draws::are_told_apart, trace::Tracer,
 };
 use rayon::prelude::*;
 use std::sync::{
     Mutex, MutexGuard, PoisonError,
     atomic::{AtomicBool, AtomicU64, Ordering},
 };
-use umbriel_kernels::glam::{Vec2, Vec3};
+use umbriel_kernels::{
+    Raster,
+    glam::{Vec2, Vec3},
+};
 
 /// Height of a tile and width of a tile in pixels. Small enough that a batch stays in the cache,
 /// flat because a band of rows belongs to one thread.
@@ -113,7 +116,9 @@ fn raster_samples(bvh: &SceneBvh, camera: &Camera, settings: &Settings) -> Optio
         Sampling::Fixed { spp } if settings.method == Method::ShadowMap => spp.max(1),
         _ => return None,
     };
-    eye_raster::shows_all(bvh, camera).then_some(spp)
+    let longest = settings.resolution[0].max(settings.resolution[1]);
+    let fits = longest <= Raster::MOST_PIXELS && are_told_apart(bvh.scene());
+    (fits && eye_raster::shows_all(bvh, camera)).then_some(spp)
 }
 
 /// Builds the trees that rays need, and not within the parallel tasks that will ask.

@@ -93,20 +93,25 @@ impl<'a> SceneBvh<'a> {
         self.instances.get().map_or(0, InstanceBvh::memory)
     }
 
-    /// Number of triangles of all meshes that no ray can hit, because they have no area.
+    /// Number of triangles of all meshes that no ray can hit, because they have no area; 0 while there are no trees.
     pub fn dropped(&self) -> usize {
-        self.instances().meshes().iter().map(MeshBvh::dropped).sum()
+        let meshes = self.instances.get().map_or(&[][..], InstanceBvh::meshes);
+        meshes.iter().map(MeshBvh::dropped).sum()
     }
 
-    /// Number of instances that no ray can hit, because their transform has no inverse or nothing is left of their mesh.
+    /// Number of instances that no ray can hit, because their transform has no inverse or nothing is left of their mesh; 0 while there are
+    /// no trees.
     pub fn dropped_instances(&self) -> usize {
-        self.instances().dropped()
+        self.instances.get().map_or(0, InstanceBvh::dropped)
     }
 
     /// The first thing that each ray meets.
     ///
     /// Holes of materials with [`AlphaMode::Mask`] and the backs of single-sided meshes are not met. `hits` is as long
     /// as `rays`.
+    ///
+    /// # Panics
+    /// For another number of hits than of rays.
     pub fn intersect(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len());
         match &self.handful {

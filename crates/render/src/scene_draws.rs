@@ -8,7 +8,7 @@ use umbriel_kernels::{
 
 /// The first number of each instance's primitives, and behind the last one the first free number.
 ///
-/// Surfaces have up to eight parts. Numbers beyond `u32` are all the same.
+/// Surfaces have up to eight parts. Numbers beyond `u32` are all the same: see [`are_told_apart`].
 pub(crate) fn first_ids(scene: &Scene) -> Vec<u32> {
     const PARTS: usize = 8;
     let mut next = 0_usize;
@@ -23,9 +23,19 @@ pub(crate) fn first_ids(scene: &Scene) -> Vec<u32> {
     ids
 }
 
+/// Whether every primitive of the scene has a number of its own. Otherwise rays find what the eye sees, and of the primitives that a map
+/// names those beyond are not the right ones; its depths are.
+pub(crate) fn are_told_apart(scene: &Scene) -> bool {
+    first_ids(scene)
+        .last()
+        .is_none_or(|&end| end < u32::MAX - 1)
+}
+
 /// The instance and the primitive of a number.
 pub(crate) fn find(first_ids: &[u32], id: u32) -> (u32, u32) {
-    let instance = first_ids.partition_point(|&first| first <= id).max(1) - 1;
+    let instances = first_ids.len().saturating_sub(1).max(1);
+    let found = first_ids.partition_point(|&first| first <= id);
+    let instance = found.clamp(1, instances) - 1;
     (instance as u32, id - first_ids[instance])
 }
 

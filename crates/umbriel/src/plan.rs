@@ -8,7 +8,7 @@ use crate::{
 };
 use std::{fs, path::Path};
 use umbriel_formats::{
-    FileError, Loaded, SceneSettings, check_output,
+    FileError, Loaded, MAX_PIXELS, MAX_SIDE, SceneSettings, check_output,
     render::{Method, Sampling, Settings, Tonemap},
 };
 
@@ -31,9 +31,6 @@ pub(crate) struct Plan {
 
 /// How often a pixel is divided unless the scene says otherwise.
 const LEVELS: u32 = 3;
-/// Greatest width or height, and greatest number of pixels.
-const MAX_SIDE: u64 = 65_535;
-const MAX_PIXELS: u64 = 1 << 28;
 
 /// Finds out what to write, and refuses what cannot be written, before the scene is read.
 pub(crate) fn check_target(args: &RenderArgs) -> Result<Target, Failure> {
@@ -167,7 +164,8 @@ fn resolution(asked: Option<Resolution>, own: [u32; 2]) -> Result<[u32; 2], Fail
             own.map(|side| ((f64::from(side) * scale).round() as u64).max(1))
         }
     };
-    let fits = width <= MAX_SIDE && height <= MAX_SIDE && width * height <= MAX_PIXELS;
+    let longest = u64::from(MAX_SIDE);
+    let fits = width <= longest && height <= longest && width * height <= u64::from(MAX_PIXELS);
     if fits {
         return Ok([width as u32, height as u32]);
     }

@@ -23,7 +23,10 @@ use std::{
 };
 use umbriel_formats::{
     LoadOptions, Loaded, check_inputs, load_scene,
-    render::{Camera, Control, Light, SceneBvh, Settings, render, render_aovs},
+    render::{
+        Camera, Control, Light, Method, Scene, SceneBvh, Settings, ShadowMaps, render_aovs,
+        render_with_maps,
+    },
 };
 
 /// Renders once, or again and again.
@@ -50,8 +53,9 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
         print_loaded(args, &loaded, &plan, &camera, target);
     }
 
-    let (bvh, build) = timed(|| pool.install(|| SceneBvh::build(&loaded.scene)));
-    let (shown, render) = timed(|| trace(args, &pool, &bvh, &camera, &plan, show.as_ref()));
+    let (bvh, build) =
+        timed(|| pool.install(|| prepare(args, &loaded.scene, &plan, show.is_some())));
+    let ((shown, maps), render) = timed(|| trace(args, &pool, &bvh, &camera, &plan, show.as_ref()));
     if interrupt::stopped() && shown.film.stats.pixels == 0 {
         return Err(interrupted_early());
     }
@@ -67,10 +71,11 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
         captions: &shown.captions,
         exposure: written?,
         threads: pool.current_num_threads(),
-        bvh_memory: bvh.memory(),
+        bvh: &bvh,
         phases: Phases {
             load,
             build,
+            maps,
             render,
             write,
             total: start.elapsed().as_secs_f64(),
@@ -80,6 +85,14 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
 }
 
 /// Channels of the file beside the film; a PNG has none.
+/// The trees for rays; a picture by shadow maps alone builds them only if it finds that it needs rays.
+fn prepare<'a>(args: &RenderArgs, scene: &'a Scene, plan: &Plan, with_show: bool) -> SceneBvh<'a> {
+    if plan.settings.method == Method::ShadowMap && args.aov.is_none() && !with_show {
+        return SceneBvh::without_trees(scene);
+    }
+    SceneBvh::build(scene)
+}
+
 fn exr_channels(args: &RenderArgs, target: Target) -> u64 {
     let layers: usize = args
         .aov
@@ -178,25 +191,36 @@ fn trace(
     camera: &Camera,
     plan: &Plan,
     show: Option<&ShowPlan>,
-) -> ShownFilm {
+) -> (ShownFilm, Option<f64>) {
     let progress = Progress::new(args.quiet);
     let control = Control {
         stop: &STOP,
         progress: &|done, total| progress.update(done, total),
     };
     interrupt::enter(Phase::Rendering);
+    let settings = &plan.settings;
+    let with_maps = settings.method == Method::ShadowMap && settings.shadows && show.is_none();
+    let (maps, map_time) = timed(|| {
+        with_maps.then(|| pool.install(|| ShadowMaps::render(bvh, camera, settings, false)))
+    });
     let mut shown = pool.install(|| match show {
         Some(show) => show::draw(show, plan, bvh, camera, &control),
-        None => ShownFilm::from(render(bvh, camera, &plan.settings, &control)),
+        None => ShownFilm::from(render_with_maps(
+            bvh,
+            camera,
+            settings,
+            maps.as_ref(),
+            &control,
+        )),
     });
     progress.finish();
     if let Some(aovs) = &args.aov
         && !interrupt::stopped()
     {
-        let layers = pool.install(|| render_aovs(bvh, camera, &plan.settings, aovs));
+        let layers = pool.install(|| render_aovs(bvh, camera, settings, aovs));
         shown.layers.extend(layers);
     }
-    shown
+    (shown, with_maps.then_some(map_time))
 }
 
 fn build_pool(threads: u32) -> Result<ThreadPool, Failure> {

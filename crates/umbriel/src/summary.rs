@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use umbriel_formats::{
     Loaded, Report,
-    render::{Camera, Sampling, Stats, Tonemap, kernels::Surface},
+    render::{Camera, Sampling, SceneBvh, Stats, Tonemap, kernels::Surface},
 };
 
 /// Seconds that each phase took.
@@ -23,6 +23,8 @@ use umbriel_formats::{
 pub(crate) struct Phases {
     pub(crate) load: f64,
     pub(crate) build: f64,
+    /// The part of `render` that drew shadow maps, if any were drawn.
+    pub(crate) maps: Option<f64>,
     pub(crate) render: f64,
     pub(crate) write: f64,
     /// From the start of the program, or of this picture under `--watch`.
@@ -40,8 +42,7 @@ pub(crate) struct Summary<'a> {
     /// Stops that were applied.
     pub(crate) exposure: f32,
     pub(crate) threads: usize,
-    /// Bytes of the bounding volume hierarchies.
-    pub(crate) bvh_memory: usize,
+    pub(crate) bvh: &'a SceneBvh<'a>,
     pub(crate) phases: Phases,
 }
 
@@ -133,10 +134,16 @@ impl Summary<'_> {
     /// Writes the summary for people.
     pub(crate) fn print(&self) {
         if self.args.verbose {
-            let (threads, bvh) = (self.threads, memory(self.bvh_memory as f64));
+            let (threads, bvh) = (self.threads, memory(self.bvh.memory() as f64));
             say(&format!(
                 "{} rays, {} shadow rays, {threads} threads, hierarchies {bvh}",
                 self.stats.rays, self.stats.shadow_rays
+            ));
+        }
+        let (triangles, instances) = (self.bvh.dropped(), self.bvh.dropped_instances());
+        if triangles + instances > 0 {
+            say(&format!(
+                "note: {triangles} triangles without area and {instances} instances without a shape are not there for rays"
             ));
         }
         if self.stats.bad_samples > 0 {
@@ -162,8 +169,11 @@ impl Summary<'_> {
             say(&caption.line());
         }
         let [load, build, render, write, _] = self.times();
+        let maps = self.phases.maps.map_or(String::new(), |maps| {
+            format!(" (shadow maps {})", seconds(maps))
+        });
         say(&format!(
-            "load {load}, build {build}, render {render}, write {write}"
+            "load {load}, build {build}, render {render}{maps}, write {write}"
         ));
         say(&self.last_line());
     }
@@ -176,6 +186,7 @@ impl Summary<'_> {
             render,
             write,
             total,
+            ..
         } = self.phases;
         [load, build, render, write, total].map(seconds)
     }
@@ -224,6 +235,7 @@ impl Summary<'_> {
             "phases": {
                 "load": self.phases.load,
                 "build": self.phases.build,
+                "shadow_maps": self.phases.maps,
                 "render": self.phases.render,
                 "write": self.phases.write,
                 "total": self.phases.total,
@@ -234,6 +246,8 @@ impl Summary<'_> {
             "exhausted_searches": self.exhausted(),
             "unfinished_pixels": self.unfinished(),
             "triangles": contents.triangles,
+            "dropped_triangles": self.bvh.dropped(),
+            "dropped_instances": self.bvh.dropped_instances(),
             "ignored": self.loaded.report.ignored,
             "notes": self.loaded.report.notes,
             "exposure": self.exposure,

@@ -14,7 +14,7 @@ mod shapes;
 mod source;
 mod values;
 
-pub use settings::SceneSettings;
+pub use settings::{MAX_PIXELS, MAX_SIDE, SceneSettings};
 pub use shadow_map::{ShadowMapOverrides, check_shadow_map_side};
 
 use crate::{FileError, Place, Report, complete_scene, import_model};

@@ -36,9 +36,9 @@ pub struct SceneSettings {
 /// Most mirrored or refracted rays one after the other: between two mirrors they would never end.
 const MAX_DEPTH: u32 = 64;
 /// Longest side of a picture, in pixels.
-const MAX_SIDE: i64 = 65_535;
-/// Most pixels of a picture: a film of 16 GiB.
-const MAX_PIXELS: i64 = 1 << 30;
+pub const MAX_SIDE: u32 = 65_535;
+/// Most pixels of a picture: a film of 4 GiB.
+pub const MAX_PIXELS: u32 = 1 << 28;
 
 /// Merges the `[render]` tables; what an including file says goes before what it includes.
 pub(super) fn read_settings(parts: &[Part]) -> Result<SceneSettings, FileError> {
@@ -123,14 +123,15 @@ fn resolution(
         let message = format!("`resolution` is [{width}, {height}]; both sides must be at least 1");
         return Err(Fault::new(span, message));
     }
-    if width > MAX_SIDE || height > MAX_SIDE || width * height > MAX_PIXELS {
+    let longest = i64::from(MAX_SIDE);
+    if width > longest || height > longest || width * height > i64::from(MAX_PIXELS) {
         let gib = width as f64 * height as f64 * 16.0 / f64::from(1 << 30);
         return Err(Fault {
             kind: ErrorKind::Limit,
             span,
             message: format!(
                 "`resolution` of {width}x{height} takes {gib:.1} GiB of memory; \
-                 expected at most {MAX_SIDE} pixels a side and 16 GiB"
+                 expected at most {MAX_SIDE} pixels a side and 4 GiB"
             ),
         });
     }

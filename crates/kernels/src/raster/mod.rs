@@ -103,13 +103,18 @@ impl<'a> Raster<'a> {
     /// Makes draws ready for a picture of `size`, in square tiles of at least 16 pixels a side, on all threads of the rayon pool it is called in.
     ///
     /// Parts of triangles with `clip.w < least_w` are cut off; nothing else is. Triangles with a corner that is not finite or not
-    /// finite in clip space, and those without area on the picture, are not drawn. Panics if a side of the picture is longer than
-    /// 16,384 pixels, or if clusters do not belong to positions and indices.
+    /// finite in clip space, and those without area on the picture, are not drawn.
+    ///
+    /// # Panics
+    /// If a side of the picture is longer than [`Raster::MOST_PIXELS`], or if clusters do not belong to positions and indices.
     pub fn new(size: [u32; 2], tile: u32, least_w: f32, draws: &'a [Draw<'a>]) -> Self {
         Self::with_unit(size, tile, least_w, draws, VectorUnit::default())
     }
 
     /// The same by another vector unit, for tests that all give the same.
+    ///
+    /// # Panics
+    /// As [`Raster::new`].
     pub fn with_unit(
         size: [u32; 2],
         tile: u32,

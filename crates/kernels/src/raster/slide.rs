@@ -26,7 +26,10 @@ pub struct Corner {
 /// ```
 /// exact in whole numbers. A centre on an edge belongs to the triangle if the edge is at its left or is its horizontal top: so of two
 /// triangles at an edge exactly one has it. Depth is the plane through the corners (`DepthPlane`). The pixel is drawn if
-/// its depth is above 0 and above what is there, or equal and `id` is lower. Corners within ±2²³ units.
+/// its depth is above 0 and above what is there, or equal and `id` is lower. Corners within ±2²³ units are exact in the twin; here all are.
+///
+/// # Panics
+/// For an image without ids.
 ///
 /// Source: Pineda, "A Parallel Algorithm for Polygon Rasterization", SIGGRAPH 1988.
 pub fn draw_triangle(image: &mut DepthImage, [a, mut b, mut c]: [Corner; 3], id: u32) {
@@ -95,7 +98,7 @@ impl DepthPlane {
             return None;
         }
         let from_a = |p: Corner| {
-            let [x, y] = [p.x - a.x, p.y - a.y].map(f64::from);
+            let [x, y] = [(p.x, a.x), (p.y, a.y)].map(|(p, a)| f64::from(p) - f64::from(a));
             (x, y, f64::from(p.z) - f64::from(a.z))
         };
         let ((bx, by, bz), (cx, cy, cz)) = (from_a(b), from_a(c));
@@ -103,11 +106,8 @@ impl DepthPlane {
         let zx = (bz * cy - cz * by) * inverse;
         let zy = (bx * cz - cx * bz) * inverse;
         let origin = [x[usize::from(zx < 0.0)], y[usize::from(zy < 0.0)]];
-        let [dx, dy] = [
-            origin[0] * UNITS + UNITS / 2 - a.x,
-            origin[1] * UNITS + UNITS / 2 - a.y,
-        ]
-        .map(f64::from);
+        let [dx, dy] = [(origin[0], a.x), (origin[1], a.y)]
+            .map(|(pixel, a)| f64::from(pixel * UNITS + UNITS / 2) - f64::from(a));
         let finite = |v: f64| v.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32;
         Some(Self {
             origin,

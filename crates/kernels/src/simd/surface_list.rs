@@ -32,7 +32,11 @@ impl SurfaceList {
     }
 
     /// The first surface that each ray meets. `hits` is as long as `rays`.
+    ///
+    /// # Panics
+    /// For another number of hits than of rays.
     pub fn closest(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        assert_eq!(rays.len(), hits.len(), "one hit a ray");
         self.unit.run(
             #[inline(always)]
             || closest(&self.surfaces, rays, hits),
@@ -40,7 +44,11 @@ impl SurfaceList {
     }
 
     /// Whether anything stands in each ray's way. `occluded` is as long as `rays`.
+    ///
+    /// # Panics
+    /// For another number of answers than of rays.
     pub fn any(&self, rays: &[Ray], occluded: &mut [bool]) {
+        assert_eq!(rays.len(), occluded.len(), "one answer a ray");
         self.unit.run(
             #[inline(always)]
             || any(&self.surfaces, rays, occluded),
