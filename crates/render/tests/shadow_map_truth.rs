@@ -47,12 +47,10 @@ fn the_default_bias_leaves_aliasing_alone() {
         let unit = BiasUnit::Texels;
         let adaptive = at(Bias::default()).sum();
         assert!(adaptive <= most, "{adaptive} at {resolution}");
-        for amount in [0.6, 0.667, 0.75, 0.833, 0.9] {
-            at(Bias::Adaptive { amount });
-        }
         for amount in [1.0, 1.5, 2.0] {
             let sloped = at(Bias::SlopeScaled { amount, unit }).sum();
-            assert!(adaptive <= sloped + 0.3, "{adaptive} against {sloped}");
+            // No slope factor is better by more than a twentieth, at any resolution.
+            assert!(adaptive <= 1.05 * sloped, "{adaptive} against {sloped} at {resolution}");
         }
         for amount in [0.75, 1.0] {
             let offset = at(Bias::NormalOffset { amount, unit }).sum();

@@ -11,9 +11,10 @@ pub(crate) fn blur<const N: usize>(texels: &mut [[f32; N]], side: usize, radius:
         return;
     }
     blur_rows(texels, side, radius);
-    let mut turned = transposed(texels, side);
+    let mut turned = vec![[0.0; N]; texels.len()];
+    transpose(texels, side, &mut turned);
     blur_rows(&mut turned, side, radius);
-    texels.copy_from_slice(&transposed(&turned, side));
+    transpose(&turned, side, texels);
 }
 
 fn blur_rows<const N: usize>(texels: &mut [[f32; N]], side: usize, radius: u32) {
@@ -43,8 +44,8 @@ fn add<const N: usize>(sum: &mut [f64; N], texel: &[f32; N], sign: f64) {
     }
 }
 
-fn transposed<const N: usize>(texels: &[[f32; N]], side: usize) -> Vec<[f32; N]> {
-    let mut turned = vec![[0.0; N]; texels.len()];
+/// Makes the columns of a square its rows.
+fn transpose<const N: usize>(texels: &[[f32; N]], side: usize, turned: &mut [[f32; N]]) {
     turned
         .par_chunks_mut(side)
         .enumerate()
@@ -53,7 +54,6 @@ fn transposed<const N: usize>(texels: &[[f32; N]], side: usize) -> Vec<[f32; N]>
                 *texel = texels[y * side + x];
             }
         });
-    turned
 }
 
 #[cfg(test)]
