@@ -23,7 +23,10 @@ use std::{
 };
 use umbriel_formats::{
     LoadOptions, Loaded, check_inputs, load_scene,
-    render::{Camera, Control, Light, SceneBvh, Settings, render, render_aovs},
+    render::{
+        Camera, Control, Light, Method, Scene, SceneBvh, Settings, ShadowMaps, build_needed_trees,
+        render_aovs, render_with_maps,
+    },
 };
 
 /// Renders once, or again and again.
@@ -50,13 +53,16 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
         print_loaded(args, &loaded, &plan, &camera, target);
     }
 
-    let (bvh, build) = timed(|| pool.install(|| SceneBvh::build(&loaded.scene)));
-    let (shown, render) = timed(|| trace(args, &pool, &bvh, &camera, &plan, show.as_ref()));
+    let (bvh, build) = timed(|| pool.install(|| build_bvh(args, &loaded.scene, &camera, &plan)));
+    let (maps, map_time) = timed(|| pool.install(|| draw_maps(&bvh, &camera, &plan.settings)));
+    let pictures = (maps.as_ref(), show.as_ref());
+    let (shown, eye_time) = timed(|| trace(args, &pool, &bvh, &camera, &plan, pictures));
     if interrupt::stopped() && shown.film.stats.pixels == 0 {
         return Err(interrupted_early());
     }
     interrupt::enter(Phase::Writing);
-    let (written, write) = timed(|| pool.install(|| write_picture(args, &plan, target, &shown)));
+    let (written, write) =
+        timed(|| pool.install(|| write_picture(args, &plan, &loaded.scene.lights, target, &shown)));
     interrupt::enter(Phase::Waiting);
 
     let summary = Summary {
@@ -71,7 +77,8 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
         phases: Phases {
             load,
             build,
-            render,
+            maps: maps.as_ref().map(|_| map_time),
+            render: map_time + eye_time,
             write,
             total: start.elapsed().as_secs_f64(),
         },
@@ -171,13 +178,35 @@ fn default_exposure(args: &RenderArgs, loaded: &Loaded) -> Exposure {
     }
 }
 
+/// Builds trees only where rays are sent: rasterised pictures of opaque scenes need none.
+fn build_bvh<'a>(
+    args: &RenderArgs,
+    scene: &'a Scene,
+    camera: &Camera,
+    plan: &Plan,
+) -> SceneBvh<'a> {
+    let bvh = SceneBvh::without_trees(scene);
+    if args.aov.is_some() || args.show.is_some() {
+        bvh.build_trees();
+    } else {
+        build_needed_trees(&bvh, camera, &plan.settings);
+    }
+    bvh
+}
+
+/// Pass 1 of shadow mapping; `None` for pictures without maps.
+fn draw_maps(bvh: &SceneBvh, camera: &Camera, settings: &Settings) -> Option<ShadowMaps> {
+    let with_maps = settings.method == Method::ShadowMap && settings.shadows;
+    with_maps.then(|| ShadowMaps::render(bvh, camera, settings, false))
+}
+
 fn trace(
     args: &RenderArgs,
     pool: &ThreadPool,
     bvh: &SceneBvh,
     camera: &Camera,
     plan: &Plan,
-    show: Option<&ShowPlan>,
+    (maps, show): (Option<&ShadowMaps>, Option<&ShowPlan>),
 ) -> ShownFilm {
     let progress = Progress::new(args.quiet);
     let control = Control {
@@ -185,9 +214,15 @@ fn trace(
         progress: &|done, total| progress.update(done, total),
     };
     interrupt::enter(Phase::Rendering);
-    let mut shown = pool.install(|| match show {
-        Some(show) => show::draw(show, plan, bvh, camera, &control),
-        None => ShownFilm::from(render(bvh, camera, &plan.settings, &control)),
+    let mut shown = pool.install(|| match (maps, show) {
+        (Some(maps), Some(show)) => show::draw(show, plan, bvh, camera, maps, &control),
+        _ => ShownFilm::from(render_with_maps(
+            bvh,
+            camera,
+            &plan.settings,
+            maps,
+            &control,
+        )),
     });
     progress.finish();
     if let Some(aovs) = &args.aov

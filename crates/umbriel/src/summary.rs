@@ -23,6 +23,8 @@ use umbriel_formats::{
 pub(crate) struct Phases {
     pub(crate) load: f64,
     pub(crate) build: f64,
+    /// The depth images of shadow maps, which are part of `render`; `None` without any.
+    pub(crate) maps: Option<f64>,
     pub(crate) render: f64,
     pub(crate) write: f64,
     /// From the start of the program, or of this picture under `--watch`.
@@ -162,8 +164,12 @@ impl Summary<'_> {
             say(&caption.line());
         }
         let [load, build, render, write, _] = self.times();
+        let passes = self.phases.maps.map_or(String::new(), |maps| {
+            let eye = seconds(self.phases.render - maps);
+            format!(" (maps {}, eye {eye})", seconds(maps))
+        });
         say(&format!(
-            "load {load}, build {build}, render {render}, write {write}"
+            "load {load}, build {build}, render {render}{passes}, write {write}"
         ));
         say(&self.last_line());
     }
@@ -176,6 +182,7 @@ impl Summary<'_> {
             render,
             write,
             total,
+            ..
         } = self.phases;
         [load, build, render, write, total].map(seconds)
     }
@@ -225,6 +232,7 @@ impl Summary<'_> {
                 "load": self.phases.load,
                 "build": self.phases.build,
                 "render": self.phases.render,
+                "maps": self.phases.maps,
                 "write": self.phases.write,
                 "total": self.phases.total,
             },
