@@ -93,7 +93,7 @@ pub use image::{Aov, Image, Layer};
 pub use light::{DirectionalLight, Light, LightSample, PointLight, SpotLight};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use mesh::Mesh;
-pub use render::{Control, render, render_bytes_into, render_with_maps};
+pub use render::{Control, build_needed_trees, render, render_bytes_into, render_with_maps};
 pub use sampler::sample_pixel;
 pub use scene::{Geometry, Instance, Scene};
 pub use scene_bvh::SceneBvh;

@@ -121,6 +121,11 @@ fn raster_samples(bvh: &SceneBvh, camera: &Camera, settings: &Settings) -> Optio
     (fits && eye_raster::shows_all(bvh, camera)).then_some(spp)
 }
 
+/// Builds the trees that [`render()`] will send rays through, if any, so that their time can be told apart.
+pub fn build_needed_trees(bvh: &SceneBvh, camera: &Camera, settings: &Settings) {
+    prepare(bvh, raster_samples(bvh, camera, settings));
+}
+
 /// Builds the trees that rays need, and not within the parallel tasks that will ask.
 fn prepare(bvh: &SceneBvh, raster_spp: Option<u32>) {
     if raster_spp.is_none() || needs_rays(bvh.scene()) {

@@ -22,7 +22,18 @@ const SIZE: [u32; 2] = [320, 240];
 
 /// Squares of alpha 0 and 1 in turn.
 fn chessboard() -> Texture {
-    let texel = |i: u32| [255, 255, 255, if (i + i / 8) % 2 == 0 { 0 } else { 255 }];
+    let texel = |i: u32| {
+        [
+            255,
+            255,
+            255,
+            if (i + i / 8).is_multiple_of(2) {
+                0
+            } else {
+                255
+            },
+        ]
+    };
     Texture::Image(ImageTexture {
         name: String::new(),
         width: 8,

@@ -118,9 +118,9 @@ fn scale_and_place_change_nothing() {
     }
 }
 
-/// Sizes and places that leave little or much over: one pixel, parallel eye rays, an eye within a mesh and in the planes of triangles, and a scene
-/// a thousand kilometres off the origin, where f32 knows places to 6 cm. Without shadows pictures are those of ray casting but for silhouettes, with
-/// shadows also but for their edges.
+/// Sizes and places that leave little or much over: one pixel, parallel eye rays, an eye within a mesh, in the plane of one and beside a triangle
+/// that reaches around it, and scenes far off the origin. Without shadows pictures are those of ray casting but for silhouettes, with shadows also but
+/// for their edges, which are as wide as f32 knows places: 1 mm, 8 mm and 6 cm at 10, 100 and 1000 km, where a texel is 12 mm.
 #[test]
 fn odd_views_agree_with_rays() {
     let mut room = Scene::default();
@@ -178,17 +178,17 @@ fn odd_views_agree_with_rays() {
             &orthographic,
             [640, 360],
             1e-3,
-            0.012,
+            0.003,
         ),
-        ("within a mesh", &room, &within, [640, 360], 1e-3, 0.012),
-        ("through the eye", &cut, &on_it, [640, 360], 1e-3, 0.012),
+        ("within a mesh", &room, &within, [640, 360], 1e-3, 0.003),
+        ("through the eye", &cut, &on_it, [640, 360], 1e-3, 0.003),
         (
             "far off the origin, 1e4",
             &far4,
             &away4,
             [640, 360],
             1e-3,
-            0.012,
+            0.01,
         ),
         (
             "far off the origin, 1e5",
@@ -196,7 +196,7 @@ fn odd_views_agree_with_rays() {
             &away5,
             [640, 360],
             1e-3,
-            0.012,
+            0.03,
         ),
         (
             "far off the origin, 1e6",
@@ -204,7 +204,7 @@ fn odd_views_agree_with_rays() {
             &away6,
             [640, 360],
             1e-3,
-            0.012,
+            0.12,
         ),
     ] {
         for (shadows, most) in [(false, most_lit), (true, most)] {
@@ -220,9 +220,7 @@ fn odd_views_agree_with_rays() {
             let (a, b) = (draw(scene, camera, &raster), draw(scene, camera, &rays));
             let share = differing(&a, &b, if shadows { 1e-3 } else { 0.0 });
             println!("{name}, shadows {shadows}: {share}");
-            if !name.starts_with("far") {
-                assert!(share <= most, "{name}, shadows {shadows}: {share}");
-            }
+            assert!(share <= most, "{name}, shadows {shadows}: {share}");
         }
     }
 }

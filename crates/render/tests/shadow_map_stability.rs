@@ -33,9 +33,10 @@ fn shadows_do_not_swim_when_the_eye_moves() {
         let still = at(Vec3::ZERO);
         let view = still.of(0).faces()[0].view;
         let texel = view.texel_width(1.0);
+        let mut has_moved = false;
         for step in [0.1, 0.25, 0.5, 0.9, 3.3] {
             let moved = at(Vec3::new(0.8, 0.1, -0.6) * step * texel);
-            println!("{}", moved.of(0).faces()[0].view != view);
+            has_moved |= moved.of(0).faces()[0].view != view;
             let (mut changed, mut near_edges) = (0, 0);
             for &(p, ng) in &truth.points {
                 let (a, b) = (still.of(0).lookup(p, ng), moved.of(0).lookup(p, ng));
@@ -55,10 +56,12 @@ fn shadows_do_not_swim_when_the_eye_moves() {
                 "{cascades}, {step}: {changed} {near_edges}"
             );
         }
+        assert!(has_moved, "the map follows the eye");
     }
 }
 
-/// Where two faces of a point light's cube meet, blurred moments reach over the edge: both sides answer alike.
+/// Where two faces of a point light's cube meet, blurred moments reach over the edge: both sides answer as alike as with comparisons. Not so EVSM, whose
+/// warp depends on the range of depths of each face.
 #[test]
 fn blurred_moments_reach_over_the_edges_of_a_cube() {
     let mut scene = Scene::default();
@@ -77,7 +80,7 @@ fn blurred_moments_reach_over_the_edges_of_a_cube() {
         .lights
         .push(point_light(Vec3::new(0.1, 2.9, 0.2), 1.0));
     let bvh = SceneBvh::build(&scene);
-    for filter in ["vsm:4", "evsm:4", "msm:4", "pcf:9"] {
+    for filter in ["vsm:4", "msm:4", "pcf:9"] {
         let map = ShadowMapSettings {
             resolution: 128,
             filter: filter.parse().unwrap(),
@@ -100,6 +103,6 @@ fn blurred_moments_reach_over_the_edges_of_a_cube() {
         }
         let mean = sum / steps as f32;
         println!("{filter}: {worst} at worst, {mean} in the mean");
-        assert!(worst < 2.0, "{filter}: {worst}, {mean}");
+        assert!(worst < 0.2 && mean < 0.02, "{filter}: {worst}, {mean}");
     }
 }

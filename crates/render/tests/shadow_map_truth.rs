@@ -50,7 +50,10 @@ fn the_default_bias_leaves_aliasing_alone() {
         for amount in [1.0, 1.5, 2.0] {
             let sloped = at(Bias::SlopeScaled { amount, unit }).sum();
             // No slope factor is better by more than a twentieth, at any resolution.
-            assert!(adaptive <= 1.05 * sloped, "{adaptive} against {sloped} at {resolution}");
+            assert!(
+                adaptive <= 1.05 * sloped,
+                "{adaptive} against {sloped} at {resolution}"
+            );
         }
         for amount in [0.75, 1.0] {
             let offset = at(Bias::NormalOffset { amount, unit }).sum();

@@ -5,13 +5,14 @@ use crate::{
     errors::Failure,
     plan::{Plan, Target},
     run::print_bytes,
+    shadow_maps::shadow_map_lines,
     sheet::Bitmap,
     show::ShownFilm,
     values::Exposure,
 };
 use umbriel_formats::{
     ExrInfo, encode_exr, encode_png,
-    render::{Method, Sampling, auto_exposure, develop},
+    render::{Light, Method, Sampling, auto_exposure, develop},
     write_file,
 };
 
@@ -19,12 +20,13 @@ use umbriel_formats::{
 pub(crate) fn write_picture(
     args: &RenderArgs,
     plan: &Plan,
+    lights: &[Light],
     target: Target,
     shown: &ShownFilm,
 ) -> Result<f32, Failure> {
     let image = &shown.film.image;
     if target == Target::Exr {
-        let comments = comments(args, plan);
+        let comments = comments(args, plan, lights);
         let info = ExrInfo {
             window: plan.settings.crop,
             software: concat!("umbriel ", env!("CARGO_PKG_VERSION")),
@@ -56,16 +58,18 @@ pub(crate) fn write_picture(
 }
 
 /// What made the picture, for who finds it. No time and no path: the bytes depend on the scene alone.
-fn comments(args: &RenderArgs, plan: &Plan) -> String {
+fn comments(args: &RenderArgs, plan: &Plan, lights: &[Light]) -> String {
     let scene = args.scene.file_name().unwrap_or_default().to_string_lossy();
     let (method, samples) = (
         method_name(plan.settings.method),
         sampling_name(plan.settings.sampling),
     );
-    format!(
-        "scene={scene}; method={method}; samples={samples}; seed={}",
-        plan.settings.seed
-    )
+    let seed = plan.settings.seed;
+    let mut comments = format!("scene={scene}; method={method}; samples={samples}; seed={seed}");
+    for line in shadow_map_lines(&plan.settings, lights) {
+        comments += &format!("; {line}");
+    }
+    comments
 }
 
 /// The method as on the command line.

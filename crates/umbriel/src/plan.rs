@@ -205,7 +205,7 @@ pub(crate) fn check_free(bytes: u64, taker: &str) -> Result<(), Failure> {
 }
 
 /// `MemAvailable` of Linux, in bytes.
-fn available_memory() -> Option<u64> {
+pub(crate) fn available_memory() -> Option<u64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;
     let line = text
         .lines()

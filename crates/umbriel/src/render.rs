@@ -24,8 +24,8 @@ use std::{
 use umbriel_formats::{
     LoadOptions, Loaded, check_inputs, load_scene,
     render::{
-        Camera, Control, Light, Method, Scene, SceneBvh, Settings, ShadowMaps, render_aovs,
-        render_with_maps,
+        Camera, Control, Light, Method, Scene, SceneBvh, Settings, ShadowMaps, build_needed_trees,
+        render_aovs, render_with_maps,
     },
 };
 
@@ -53,14 +53,16 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
         print_loaded(args, &loaded, &plan, &camera, target);
     }
 
-    let (bvh, build) =
-        timed(|| pool.install(|| prepare(args, &loaded.scene, &plan, show.is_some())));
-    let ((shown, maps), render) = timed(|| trace(args, &pool, &bvh, &camera, &plan, show.as_ref()));
+    let (bvh, build) = timed(|| pool.install(|| build_bvh(args, &loaded.scene, &camera, &plan)));
+    let (maps, map_time) = timed(|| pool.install(|| draw_maps(&bvh, &camera, &plan.settings)));
+    let pictures = (maps.as_ref(), show.as_ref());
+    let (shown, eye_time) = timed(|| trace(args, &pool, &bvh, &camera, &plan, pictures));
     if interrupt::stopped() && shown.film.stats.pixels == 0 {
         return Err(interrupted_early());
     }
     interrupt::enter(Phase::Writing);
-    let (written, write) = timed(|| pool.install(|| write_picture(args, &plan, target, &shown)));
+    let (written, write) =
+        timed(|| pool.install(|| write_picture(args, &plan, &loaded.scene.lights, target, &shown)));
     interrupt::enter(Phase::Waiting);
 
     let summary = Summary {
@@ -75,8 +77,8 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
         phases: Phases {
             load,
             build,
-            maps,
-            render,
+            maps: maps.as_ref().map(|_| map_time),
+            render: map_time + eye_time,
             write,
             total: start.elapsed().as_secs_f64(),
         },
@@ -85,14 +87,6 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
 }
 
 /// Channels of the file beside the film; a PNG has none.
-/// The trees for rays; a picture by shadow maps alone builds them only if it finds that it needs rays.
-fn prepare<'a>(args: &RenderArgs, scene: &'a Scene, plan: &Plan, with_show: bool) -> SceneBvh<'a> {
-    if plan.settings.method == Method::ShadowMap && args.aov.is_none() && !with_show {
-        return SceneBvh::without_trees(scene);
-    }
-    SceneBvh::build(scene)
-}
-
 fn exr_channels(args: &RenderArgs, target: Target) -> u64 {
     let layers: usize = args
         .aov
@@ -184,32 +178,49 @@ fn default_exposure(args: &RenderArgs, loaded: &Loaded) -> Exposure {
     }
 }
 
+/// Builds trees only where rays are sent: rasterised pictures of opaque scenes need none.
+fn build_bvh<'a>(
+    args: &RenderArgs,
+    scene: &'a Scene,
+    camera: &Camera,
+    plan: &Plan,
+) -> SceneBvh<'a> {
+    let bvh = SceneBvh::without_trees(scene);
+    if args.aov.is_some() || args.show.is_some() {
+        bvh.build_trees();
+    } else {
+        build_needed_trees(&bvh, camera, &plan.settings);
+    }
+    bvh
+}
+
+/// Pass 1 of shadow mapping; `None` for pictures without maps.
+fn draw_maps(bvh: &SceneBvh, camera: &Camera, settings: &Settings) -> Option<ShadowMaps> {
+    let with_maps = settings.method == Method::ShadowMap && settings.shadows;
+    with_maps.then(|| ShadowMaps::render(bvh, camera, settings, false))
+}
+
 fn trace(
     args: &RenderArgs,
     pool: &ThreadPool,
     bvh: &SceneBvh,
     camera: &Camera,
     plan: &Plan,
-    show: Option<&ShowPlan>,
-) -> (ShownFilm, Option<f64>) {
+    (maps, show): (Option<&ShadowMaps>, Option<&ShowPlan>),
+) -> ShownFilm {
     let progress = Progress::new(args.quiet);
     let control = Control {
         stop: &STOP,
         progress: &|done, total| progress.update(done, total),
     };
     interrupt::enter(Phase::Rendering);
-    let settings = &plan.settings;
-    let with_maps = settings.method == Method::ShadowMap && settings.shadows && show.is_none();
-    let (maps, map_time) = timed(|| {
-        with_maps.then(|| pool.install(|| ShadowMaps::render(bvh, camera, settings, false)))
-    });
-    let mut shown = pool.install(|| match show {
-        Some(show) => show::draw(show, plan, bvh, camera, &control),
-        None => ShownFilm::from(render_with_maps(
+    let mut shown = pool.install(|| match (maps, show) {
+        (Some(maps), Some(show)) => show::draw(show, plan, bvh, camera, maps, &control),
+        _ => ShownFilm::from(render_with_maps(
             bvh,
             camera,
-            settings,
-            maps.as_ref(),
+            &plan.settings,
+            maps,
             &control,
         )),
     });
@@ -217,10 +228,10 @@ fn trace(
     if let Some(aovs) = &args.aov
         && !interrupt::stopped()
     {
-        let layers = pool.install(|| render_aovs(bvh, camera, settings, aovs));
+        let layers = pool.install(|| render_aovs(bvh, camera, &plan.settings, aovs));
         shown.layers.extend(layers);
     }
-    (shown, with_maps.then_some(map_time))
+    shown
 }
 
 fn build_pool(threads: u32) -> Result<ThreadPool, Failure> {

@@ -3,7 +3,7 @@
 use crate::{
     args::ShadowMapArgs,
     errors::{Exit, Failure},
-    plan::{check_free, memory},
+    plan::{available_memory, check_free, memory},
 };
 use serde_json::{Value, json};
 use umbriel_formats::{
@@ -57,7 +57,7 @@ fn maps<'a>(
     lights.iter().zip(&settings.shadow_maps)
 }
 
-/// Refuses shadow maps that do not fit into the memory together.
+/// Refuses shadow maps that do not fit into half of the free memory together: the picture needs some, too, and maps beyond that take minutes to draw.
 pub(crate) fn check_shadow_memory(settings: &Settings, lights: &[Light]) -> Result<(), Failure> {
     let bytes = maps(settings, lights).fold(0_u64, |sum, (light, map)| {
         sum.saturating_add(ShadowMap::bytes(light, map))
@@ -67,7 +67,17 @@ pub(crate) fn check_shadow_memory(settings: &Settings, lights: &[Light]) -> Resu
         1 => "the shadow map of 1 light takes".to_owned(),
         _ => format!("the shadow maps of {count} lights take"),
     };
-    check_free(bytes, &taker)
+    check_free(bytes, &taker)?;
+    match available_memory() {
+        Some(free) if bytes >= 1 << 28 && bytes > free / 2 => {
+            let (needed, free) = (memory(bytes as f64), memory(free as f64));
+            let message = format!(
+                "{taker} {needed} of memory; expected at most half of the {free} that are free, as with a smaller --shadow-map-size"
+            );
+            Err(Failure::new(Exit::Limit, message))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A line for each way in which maps are made, with the lights that it is for.

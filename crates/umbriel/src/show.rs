@@ -143,15 +143,15 @@ pub(crate) fn draw(
     plan: &Plan,
     bvh: &SceneBvh,
     camera: &Camera,
+    maps: &ShadowMaps,
     control: &Control,
 ) -> ShownFilm {
-    let maps = ShadowMaps::render(bvh, camera, &plan.settings, false);
-    let film = render_with_maps(bvh, camera, &plan.settings, Some(&maps), control);
+    let film = render_with_maps(bvh, camera, &plan.settings, Some(maps), control);
     let context = ShowContext {
         bvh,
         camera,
         settings: &plan.settings,
-        maps: &maps,
+        maps,
         light: show_plan.light,
         exposure: match plan.exposure {
             Exposure::Stops(stops) => stops,

@@ -23,7 +23,7 @@ use umbriel_formats::{
 pub(crate) struct Phases {
     pub(crate) load: f64,
     pub(crate) build: f64,
-    /// The part of `render` that drew shadow maps, if any were drawn.
+    /// The depth images of shadow maps, which are part of `render`; `None` without any.
     pub(crate) maps: Option<f64>,
     pub(crate) render: f64,
     pub(crate) write: f64,
@@ -169,11 +169,12 @@ impl Summary<'_> {
             say(&caption.line());
         }
         let [load, build, render, write, _] = self.times();
-        let maps = self.phases.maps.map_or(String::new(), |maps| {
-            format!(" (shadow maps {})", seconds(maps))
+        let passes = self.phases.maps.map_or(String::new(), |maps| {
+            let eye = seconds(self.phases.render - maps);
+            format!(" (maps {}, eye {eye})", seconds(maps))
         });
         say(&format!(
-            "load {load}, build {build}, render {render}{maps}, write {write}"
+            "load {load}, build {build}, render {render}{passes}, write {write}"
         ));
         say(&self.last_line());
     }
@@ -235,8 +236,8 @@ impl Summary<'_> {
             "phases": {
                 "load": self.phases.load,
                 "build": self.phases.build,
-                "shadow_maps": self.phases.maps,
                 "render": self.phases.render,
+                "maps": self.phases.maps,
                 "write": self.phases.write,
                 "total": self.phases.total,
             },

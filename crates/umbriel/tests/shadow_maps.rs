@@ -182,3 +182,26 @@ fn memory_of_all_maps_comes_first() {
     );
     folder.ok("render lamps.toml -o a.png --shadow-map-size 16384");
 }
+
+/// The passes' times apart, and what the maps were in the file's comment; no trees where no ray is sent.
+#[test]
+fn a_render_says_its_passes() {
+    let folder = folder();
+    let ran = folder.ok("render scene.toml -o a.exr --json -v");
+    let phases = ran.json()["phases"].clone();
+    let [maps, render] = ["maps", "render"].map(|name| phases[name].as_f64().unwrap());
+    assert!(maps > 0.0 && maps < render, "{phases}");
+    assert!(
+        ran.err.contains(" (maps ") && ran.err.contains(", eye "),
+        "{}",
+        ran.err
+    );
+    assert!(ran.err.contains("hierarchies 0 B"), "{}", ran.err);
+    let file = folder.read("a.exr");
+    let words = b"; shadow map of \"sun\": 4 of 512x512";
+    assert!(file.windows(words.len()).any(|found| found == words));
+    let rays = folder
+        .ok("render scene.toml -o a.png --json -m ray-cast")
+        .json();
+    assert!(rays["phases"]["maps"].is_null());
+}

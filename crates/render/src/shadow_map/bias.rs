@@ -171,5 +171,5 @@ fn taken_nearer(view: &LightView, z: f32, b: f32) -> f32 {
 fn rounding(view: &LightView, p: Vec3, tan: f32) -> f32 {
     let far = if view.perspective { 0.0 } else { view.far };
     let reach = p.abs().max_element() + (p - view.origin).abs().max_element();
-    2.0 * f32::EPSILON * (reach * (1.0 + tan) + far)
+    4.0 * f32::EPSILON * (reach * (1.0 + tan) + far)
 }

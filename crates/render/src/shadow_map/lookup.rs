@@ -36,7 +36,7 @@ impl ShadowMap {
     /// 2. The point becomes a receiver: texel coordinates, depth, bias.
     /// 3. The filter makes one fraction of the comparisons.
     ///
-    /// Points that no face holds are lit, unless an infinite plane stands between them and a directional light.
+    /// Points that no face holds are lit, unless an infinite plane stands between them and a directional or a far light.
     ///
     /// Source: Williams, "Casting Curved Shadows on Curved Surfaces", SIGGRAPH 1978.
     pub fn fraction(&self, p: Vec3, ng: Vec3) -> f32 {
