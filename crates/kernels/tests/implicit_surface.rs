@@ -6,9 +6,9 @@ use random::Random;
 use std::sync::Arc;
 use umbriel_kernels::glam::{Affine3A, EulerRot, Quat, Vec3};
 use umbriel_kernels::{
-    Aabb, Body, Formula, ImplicitError, ImplicitSurface, InstanceBvh, Method, Placed, Ray, Shape,
-    Sphere, Surface, SurfaceList, Way, gamma, intersect_implicit, intersect_surface, offset_origin,
-    surface_contains,
+    Aabb, Body, ContainmentMethod, Formula, ImplicitError, ImplicitSurface, InstanceBvh, Placed,
+    Ray, Shape, Sphere, Surface, SurfaceList, Way, gamma, intersect_implicit, intersect_surface,
+    offset_origin, surface_contains,
 };
 
 const HEART: &str = "(x^2 + 9/4*y^2 + z^2 - 1)^3 = x^2*z^3 + 9/80*y^2*z^3";
@@ -87,7 +87,7 @@ fn bounds_are_a_window() {
         Vec3::new(-1.0, 0.3, 0.2),
     )];
     assert!(body.all_hits(&rays).of(0).len() <= 1);
-    assert_eq!(body.method(), Method::Formula);
+    assert_eq!(body.method(), ContainmentMethod::Formula);
     assert!(surface_contains(&ball, Vec3::ONE.as_dvec3()));
     assert!(!surface_contains(&ball, (Vec3::X * 1.8).as_dvec3()));
 }

@@ -4,7 +4,7 @@ use super::{Bias, BiasUnit, LightView};
 use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// Greatest tangent by which [`Bias::SlopeScaled`] multiplies.
-const MOST_SLOPE: f32 = 10.0;
+pub(crate) const MOST_SLOPE: f32 = 10.0;
 /// The tangent, of 89 degrees, up to which [`Bias::Adaptive`] follows planes beyond that.
 const STEEPEST: f32 = 57.3;
 /// What [`Bias::Adaptive`] takes a receiver nearer by, in changes of depth over one texel, which are cut as for [`Bias::SlopeScaled`].
@@ -85,9 +85,9 @@ fn plane_slope(view: &LightView, n: Vec3, q: Vec3) -> Vec2 {
 /// receiver plane  z follows the plane to the texel's centre, b = a w
 /// adaptive        b = a (5/4 min(s, 10 w) + w/20) + ε; z follows what is cut of s to the texel's centre, if that is nearer
 /// ```
-/// Receiver plane and adaptive follow the plane from texel to texel of a filter, too. `ε` bounds what rounding does to depths. One and a quarter
-/// slopes are what scored best against exact rays at every resolution; beyond a tangent of 10 they would be too much on curved
-/// surfaces and, being cut, too little on flat ones, which only the plane itself can tell apart.
+/// Receiver plane and adaptive follow the plane from texel to texel of a filter, too. `ε` bounds what rounding does to depths. How one and a
+/// quarter slopes score is told at [`Bias::Adaptive`]; beyond a tangent of 10 they would be too much on curved surfaces and, being cut, too little on flat
+/// ones, which only the plane itself can tell apart.
 ///
 /// Source: Dou, Yan, Kerzner, Dai & Wyman, "Adaptive Depth Bias for Shadow Maps", JCGT 3(4), 2014 (following the plane to the texel's centre);
 /// Holbert, "Saying Goodbye to Shadow Acne", GDC 2011 (normal offset).
