@@ -86,7 +86,6 @@ mod tests {
                 let least = apart.fold(f32::INFINITY, f32::min) / unit;
                 let gaps = vogel_disk(4096).into_iter().map(|p| nearest(p, &disk));
                 let most = gaps.fold(0.0, f32::max) / unit;
-                println!("{name} {taps}: {least} apart, {most} to the next");
                 assert!(least > 1.4, "{name} {taps}: {least}");
                 assert!(most < 1.95, "{name} {taps}: {most}");
             }
