@@ -289,11 +289,12 @@ impl SurfaceLanes {
     /// Takes the places on the mesh down, with normals on the side that is seen.
     #[inline(always)]
     fn set_places(&mut self, inside_out: bool, place: impl Fn(&MeshLanes, usize, Vec3) -> Place) {
-        let mut away = [0_u32; LANES];
-        for (i, away) in away.iter_mut().enumerate().take(whole_vectors(self.len)) {
+        let mut away = 0;
+        // One way out of the loop: with another the compiler does the last lanes one by one.
+        for i in 0..whole_vectors(self.len) {
             let wo = self.wo.get(i);
             let (place, side) = turn_to_viewer(place(&self.mesh, i, wo), inside_out, wo);
-            *away = u32::from(!(place.ns.dot(wo) >= 0.0));
+            away |= u32::from(!(place.ns.dot(wo) >= 0.0));
             self.side[i] = side;
             self.points.p.set(i, place.p);
             self.error.set(i, place.error);
@@ -302,7 +303,7 @@ impl SurfaceLanes {
             self.ns.set(i, place.ns);
         }
         // Only near silhouettes.
-        if away.iter().fold(0, |any, away| any | away) != 0 {
+        if away != 0 {
             for i in 0..whole_vectors(self.len) {
                 let (ns, ng) = (self.ns.get(i), self.ng.get(i));
                 self.ns.set(i, towards_viewer(ns, ng, self.wo.get(i)));
