@@ -40,8 +40,11 @@ impl Environment {
     /// SIGGRAPH 2001 (the factor ⅔ of the linear band).
     #[inline(always)]
     pub fn ambient(&self, n: Vec3) -> Vec3 {
-        self.ambient
-            .unwrap_or_else(|| self.nadir + (self.zenith - self.nadir) * (0.5 + n.y / 3.0))
+        let (nadir, zenith) = match self.ambient {
+            Some(ambient) => (ambient, ambient),
+            None => (self.nadir, self.zenith),
+        };
+        nadir + (zenith - nadir) * (0.5 + n.y * (1.0 / 3.0))
     }
 
     /// Tells whether neither sky nor ambient light has any radiance.

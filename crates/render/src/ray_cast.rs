@@ -20,11 +20,13 @@ pub(crate) fn shade(
     ambient: &mut Vec3Lanes,
 ) {
     surfaces.make_opaque();
+    // A copy cannot be changed by the loop, so nothing of it is read again in each lane.
+    let environment = *environment;
     for_lanes(
         surfaces,
         ambient,
         #[inline(always)]
-        |_, surface| ambient_reflection(environment, surface, 1.0),
+        |_, surface| ambient_reflection(&environment, surface, 1.0),
     );
 }
 
@@ -39,18 +41,13 @@ pub(crate) fn ambient_reflection(
     let bsdf = &surface.bsdf;
     let diffuse = bsdf.diffuse_color();
     let cos_o = surface.ns.dot(surface.wo).clamp(0.0, 1.0);
-    let mut sum = Vec3::ZERO;
-    if diffuse != Vec3::ZERO {
-        let coat = albedo_ggx(
-            cos_o,
-            bsdf.roughness,
-            Vec3::splat(normal_reflectance(bsdf.ior)),
-        );
-        sum += diffuse * (Vec3::ONE - coat) * environment.ambient(surface.ns);
-    }
-    if specular > 0.0 {
-        let mirrored = environment.ambient(reflect(surface.wo, surface.ns));
-        sum += albedo_ggx(cos_o, bsdf.roughness, bsdf.f0()) * mirrored * specular;
-    }
-    sum
+    // Without conditions: the formulas share most of their numbers, and 0 times them is 0.
+    let coat = albedo_ggx(
+        cos_o,
+        bsdf.roughness,
+        Vec3::splat(normal_reflectance(bsdf.ior)),
+    );
+    let mirrored = environment.ambient(reflect(surface.wo, surface.ns));
+    diffuse * (Vec3::ONE - coat) * environment.ambient(surface.ns)
+        + albedo_ggx(cos_o, bsdf.roughness, bsdf.f0()) * mirrored * specular
 }

@@ -100,23 +100,23 @@ pub(crate) fn receiver(view: &LightView, bias: &Bias, p: Vec3, ng: Vec3) -> Rece
     let plane = plane_slope(view, axes(ng), axes(p - view.origin));
     let metres_per_stored = view.metres_per_stored(z);
     let slope = plane.length() * metres_per_stored;
+    // Texels of parallel light have one width, and so one division.
+    let tan = slope * (1.0 / texel);
     let b = match *bias {
         Bias::None | Bias::NormalOffset { .. } => 0.0,
         Bias::Constant { amount, unit } | Bias::ReceiverPlane { amount, unit } => {
             in_metres(amount, unit, texel)
         }
-        Bias::SlopeScaled { amount, unit } => {
-            in_metres(amount, unit, texel) * (slope / texel).min(MOST_SLOPE)
-        }
+        Bias::SlopeScaled { amount, unit } => in_metres(amount, unit, texel) * tan.min(MOST_SLOPE),
         Bias::Adaptive { amount } => {
             let sloped = ADAPTIVE_SLOPE * slope.min(MOST_SLOPE * texel);
-            amount * (sloped + ADAPTIVE_WIDTH * texel) + rounding(view, p, slope / texel)
+            amount * (sloped + ADAPTIVE_WIDTH * texel) + rounding(view, p, tan)
         }
     };
     let own = projected.at.floor();
     let to_center = own + 0.5 - projected.at;
     let change = plane.x * to_center.x + plane.y * to_center.y;
-    let (to_own_center, plane) = followed(bias, plane, change, slope / texel);
+    let (to_own_center, plane) = followed(bias, plane, change, tan);
     Receiver {
         at: projected.at,
         z,

@@ -155,7 +155,8 @@ impl LightView {
         if self.perspective {
             self.near / z
         } else {
-            1.0 - z / self.far
+            // A division once, where many depths are stored.
+            1.0 - z * (1.0 / self.far)
         }
     }
 
@@ -175,7 +176,7 @@ impl LightView {
     #[inline(always)]
     pub(crate) fn metres_per_stored(&self, z: f32) -> f32 {
         if self.perspective {
-            z * z / self.near
+            z * z * (1.0 / self.near)
         } else {
             self.far
         }
