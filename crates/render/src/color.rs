@@ -1,10 +1,12 @@
-//! From linear light to bytes: exposure, tone curves, the sRGB transfer curve.
+//! From linear light to bytes: exposure and tone curves.
 
-use crate::Image;
+use crate::{
+    Image,
+    srgb::{BLOCK, SrgbEncoder},
+};
 use rayon::prelude::*;
-use std::sync::LazyLock;
 use umbriel_kernels::{
-    VectorUnit,
+    LANES, Vec3Lanes, VectorUnit,
     glam::{Mat3, Vec3},
 };
 
@@ -25,122 +27,6 @@ pub enum Tonemap {
 /// Luminance weights of linear Rec. 709. Source: ITU-R BT.709-6, 2015.
 pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
-/// The linear value of an sRGB byte. Source: IEC 61966-2-1, 1999.
-#[inline]
-pub fn srgb_to_linear(byte: u8) -> f32 {
-    static TABLE: LazyLock<[f32; 256]> =
-        LazyLock::new(|| std::array::from_fn(|i| decode_srgb(i as f64 / 255.0)));
-    TABLE[usize::from(byte)]
-}
-
-/// The linear value of `v` in `[0, 1]` on the sRGB curve. Source: IEC 61966-2-1, 1999.
-fn decode_srgb(v: f64) -> f32 {
-    let linear = if v <= 0.04045 {
-        v / 12.92
-    } else {
-        ((v + 0.055) / 1.055).powf(2.4)
-    };
-    linear as f32
-}
-
-/// The nearest sRGB byte of a linear value; below 0 and NaN become 0, above 1 becomes 255.
-///
-/// Source: IEC 61966-2-1, 1999.
-#[inline]
-pub fn linear_to_srgb(linear: f32) -> u8 {
-    SrgbEncoder::get().encode(linear)
-}
-
-/// Finds the nearest byte by the upper bits of a float and one sum.
-struct SrgbEncoder {
-    /// Of each class of floats with equal upper bits, from that of `LEAST` to that of 1, in the upper bits the byte of its least one; in the
-    /// lower bits what carries into them when the lower bits of a float are added that has the next byte.
-    classes: [u32; Self::CLASSES],
-}
-
-impl SrgbEncoder {
-    /// A power of two below the first bound.
-    const LEAST: f32 = 1.0 / 8192.0;
-    /// Lower bits that a class leaves out. Seven bits of the mantissa remain: a class is at most 1/128 of its values
-    /// wide, which is less than the distance of two bounds anywhere, so that no class holds more than one.
-    const SHIFT: u32 = 16;
-    /// A power of two not below the number of classes: indices need no check.
-    const CLASSES: usize = 2048;
-
-    /// The encoder, made once.
-    fn get() -> &'static Self {
-        static ENCODER: LazyLock<SrgbEncoder> = LazyLock::new(SrgbEncoder::new);
-        &ENCODER
-    }
-
-    fn new() -> Self {
-        let bounds = srgb_bounds();
-        let first = Self::LEAST.to_bits() >> Self::SHIFT;
-        let classes = std::array::from_fn(|i| {
-            let least = (first + i as u32) << Self::SHIFT;
-            let byte = bounds.partition_point(|&bound| bound.to_bits() <= least);
-            let next = bounds.get(byte).map_or(u32::MAX, |bound| bound.to_bits()) - least;
-            let carry = (1_u32 << Self::SHIFT).saturating_sub(next);
-            ((byte as u32) << Self::SHIFT) + carry
-        });
-        Self { classes }
-    }
-
-    #[inline(always)]
-    fn encode(&self, linear: f32) -> u8 {
-        let above = Self::above_least(linear);
-        let class = self.classes[(above >> Self::SHIFT) as usize % Self::CLASSES];
-        ((class + (above & ((1 << Self::SHIFT) - 1))) >> Self::SHIFT) as u8
-    }
-
-    /// By how much the bits of a value, cut to the range, are above those of the least one.
-    #[inline(always)]
-    fn above_least(linear: f32) -> u32 {
-        // The first comparison fails for NaN, too.
-        let inside = if linear > Self::LEAST {
-            linear.min(1.0)
-        } else {
-            Self::LEAST
-        };
-        inside.to_bits() - Self::LEAST.to_bits()
-    }
-
-    /// [`SrgbEncoder::encode`] of the colours of pixels, and their alpha as it is: bits in vectors, then the classes one by one, then bytes in
-    /// vectors.
-    #[inline(always)]
-    fn encode_all(&self, linear: &[f32], bytes: &mut [u8]) {
-        let mut above = [0; 4 * BLOCK];
-        for (above, &linear) in above.iter_mut().zip(linear) {
-            *above = Self::above_least(linear);
-        }
-        let mut classes = [0; 4 * BLOCK];
-        for (class, above) in classes.iter_mut().zip(&above) {
-            *class = self.classes[(above >> Self::SHIFT) as usize % Self::CLASSES];
-        }
-        let codes = classes.iter().zip(&above);
-        for ((i, byte), ((class, above), linear)) in
-            bytes.iter_mut().enumerate().zip(codes.zip(linear))
-        {
-            let color = ((class + (above & ((1 << Self::SHIFT) - 1))) >> Self::SHIFT) as u8;
-            let alpha = alpha_byte(*linear);
-            *byte = if i % 4 == 3 { alpha } else { color };
-        }
-    }
-}
-
-/// The nearest byte of an alpha; that of NaN is 0. The compiler's own conversion takes one number at a time.
-#[inline(always)]
-fn alpha_byte(alpha: f32) -> u8 {
-    const UNIT_STEPS: f32 = 8_388_608.0;
-    let inside = if alpha > 0.0 { alpha.min(1.0) } else { 0.0 };
-    ((inside * 255.0 + 0.5).floor() + UNIT_STEPS).to_bits() as u8
-}
-
-/// The least linear values whose nearest bytes are 1 to 255.
-fn srgb_bounds() -> [f32; 255] {
-    std::array::from_fn(|i| decode_srgb((i as f64 + 0.5) / 255.0))
-}
-
 /// How a linear picture becomes bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Development {
@@ -153,45 +39,76 @@ pub struct Development {
 /// Brings a linear picture to sRGB bytes with alpha: exposure in stops (each doubles the light), tone curve, transfer curve.
 pub fn develop(image: &Image, exposure: f32, tonemap: Tonemap) -> Vec<[u8; 4]> {
     let mut bytes = vec![[0; 4]; image.pixels.len()];
-    let development = Development { exposure, tonemap };
+    let developer = Developer::new(&Development { exposure, tonemap });
     let shares = bytes.par_chunks_mut(SHARE);
     shares
         .zip(image.pixels.par_chunks(SHARE))
-        .for_each(|(bytes, pixels)| development.develop(pixels, bytes));
+        .for_each(|(bytes, pixels)| developer.develop(pixels, bytes));
     bytes
 }
 
 /// Pixels that one thread develops.
 const SHARE: usize = 4096;
-/// Pixels at a time.
-const BLOCK: usize = 32;
 
-impl Development {
+/// A [`Development`] made ready.
+pub(crate) struct Developer {
+    encoder: &'static SrgbEncoder,
+    gain: f32,
+    tonemap: Tonemap,
+}
+
+impl Developer {
+    pub(crate) fn new(development: &Development) -> Self {
+        Self {
+            encoder: SrgbEncoder::get(),
+            gain: development.exposure.exp2(),
+            tonemap: development.tonemap,
+        }
+    }
+
     /// Develops pixels on this thread; both slices have one length.
     pub(crate) fn develop(&self, pixels: &[[f32; 4]], bytes: &mut [[u8; 4]]) {
-        let encoder = SrgbEncoder::get();
-        let gain = self.exposure.exp2();
         let mut block = [[0.0; 4]; BLOCK];
         for (bytes, pixels) in bytes.chunks_mut(BLOCK).zip(pixels.chunks(BLOCK)) {
             block[..pixels.len()].copy_from_slice(pixels);
-            self.expose(gain, &mut block[..pixels.len()]);
+            for pixel in &mut block[..pixels.len()] {
+                let [r, g, b, a] = *pixel;
+                *pixel = self.expose(Vec3::new(r, g, b)).extend(a).to_array();
+            }
             let mut coded = [[0; 4]; BLOCK];
             VectorUnit::default().run(
                 #[inline(always)]
-                || encoder.encode_all(block.as_flattened(), coded.as_flattened_mut()),
+                || {
+                    self.encoder
+                        .encode_all(block.as_flattened(), coded.as_flattened_mut());
+                },
             );
             bytes.copy_from_slice(&coded[..pixels.len()]);
         }
     }
 
-    fn expose(&self, gain: f32, pixels: &mut [[f32; 4]]) {
-        if self.tonemap == Tonemap::Linear && gain == 1.0 {
-            return;
+    /// Develops opaque pixels, one a lane; the first byte of each is in its lowest bits. To be called within [`VectorUnit::run`].
+    #[inline(always)]
+    pub(crate) fn develop_lanes(&self, colors: &mut Vec3Lanes, pixels: &mut [u32; LANES]) {
+        if !self.changes_nothing() {
+            for i in 0..LANES {
+                colors.set(i, self.expose(colors.get(i)));
+            }
         }
-        for pixel in pixels {
-            let [r, g, b, a] = *pixel;
-            let color = apply_tonemap(Vec3::new(r, g, b) * gain, self.tonemap);
-            *pixel = color.extend(a).to_array();
+        self.encoder.encode_lanes(colors, pixels);
+    }
+
+    #[inline(always)]
+    fn changes_nothing(&self) -> bool {
+        self.tonemap == Tonemap::Linear && self.gain == 1.0
+    }
+
+    #[inline(always)]
+    fn expose(&self, color: Vec3) -> Vec3 {
+        if self.changes_nothing() {
+            color
+        } else {
+            apply_tonemap(color * self.gain, self.tonemap)
         }
     }
 }
@@ -300,33 +217,6 @@ fn tonemap_agx(color: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn srgb_round_trip_is_exact() {
-        for byte in 0..=255 {
-            assert_eq!(linear_to_srgb(srgb_to_linear(byte)), byte);
-        }
-        assert_eq!(linear_to_srgb(0.5), 188);
-        assert_eq!(linear_to_srgb(f32::NAN), 0);
-        assert_eq!(linear_to_srgb(-1.0), 0);
-        assert_eq!(linear_to_srgb(f32::INFINITY), 255);
-    }
-
-    /// Against the definition, at every bound and at every class of upper bits.
-    #[test]
-    fn encoder_finds_the_nearest_byte() {
-        let encoder = SrgbEncoder::new();
-        let bounds = srgb_bounds();
-        let nearest = |linear: f32| bounds.partition_point(|&bound| bound <= linear) as u8;
-        let classes = (0..=f32::INFINITY.to_bits())
-            .step_by(1 << 12)
-            .map(f32::from_bits);
-        for value in classes.chain(bounds).filter(|v| v.is_finite()) {
-            for v in [value.next_down(), value, value.next_up(), -value] {
-                assert_eq!(encoder.encode(v), nearest(v), "{v}");
-            }
-        }
-    }
 
     #[test]
     fn linear_changes_nothing_in_range() {

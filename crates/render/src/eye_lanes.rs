@@ -1,6 +1,6 @@
 //! Patches of a rasterised tile, shaded straight from the numbers of their triangles: no ray is stored, no pixel is moved.
 
-use crate::{CameraFrame, Environment, Mesh, shade_block::ShadeBlock};
+use crate::{CameraFrame, Environment, Mesh, color::Developer, shade_block::ShadeBlock};
 use umbriel_kernels::{
     LANES, Ray, TileImage, Vec3Lanes, VectorUnit,
     glam::{Affine3A, Vec2, Vec3},
@@ -143,11 +143,12 @@ impl EyeLanes {
     /// Takes the sum over for the lanes of a mask. To be called within [`VectorUnit::run`].
     #[inline(always)]
     pub(crate) fn take(&mut self, lanes: u64) {
-        for i in 0..LANES {
-            let there = self.radiance.get(i);
-            let is_taken = lanes >> i & 1 == 1;
-            self.radiance
-                .set(i, if is_taken { self.sum.get(i) } else { there });
+        for (half, lanes) in [lanes as u32, (lanes >> 32) as u32].into_iter().enumerate() {
+            for bit in 0..32 {
+                let (i, mask) = (32 * half + bit, 0_u32.wrapping_sub(lanes >> bit & 1));
+                let there = self.radiance.get(i);
+                self.radiance.set(i, pick(mask, self.sum.get(i), there));
+            }
         }
     }
 
@@ -179,6 +180,30 @@ impl EyeLanes {
         u64::from((lanes & patch.inside()).count_ones())
     }
 
+    /// Develops the radiance into the pixels of a patch of the picture, up to four rows from its first pixel on. To be called within
+    /// [`VectorUnit::run`].
+    #[inline(always)]
+    pub(crate) fn develop<'p>(
+        &mut self,
+        developer: &Developer,
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        let mut pixels = [0; LANES];
+        developer.develop_lanes(&mut self.radiance, &mut pixels);
+        for (y, row) in rows.enumerate().take(TileImage::PATCH[1] as usize) {
+            for (block, to) in row.chunks_mut(4).enumerate().take(4) {
+                let first = 16 * block + 4 * y;
+                if let Ok(to) = <&mut [[u8; 4]; 4]>::try_from(&mut *to) {
+                    *to = [0, 1, 2, 3].map(|x| pixels[first + x].to_le_bytes());
+                    continue;
+                }
+                for (to, pixel) in to.iter_mut().zip(&pixels[first..]) {
+                    *to = pixel.to_le_bytes();
+                }
+            }
+        }
+    }
+
     /// Adds the radiance to the pixels of a patch of the picture, up to four rows from its first pixel on; a first sample takes the place of what
     /// was there before. To be called within [`VectorUnit::run`].
     #[inline(always)]
@@ -197,4 +222,14 @@ impl EyeLanes {
             }
         }
     }
+}
+
+/// The one where all bits of the mask are set, the other where none is. Of a condition the compiler makes a jump in each lane.
+#[inline(always)]
+fn pick(mask: u32, one: Vec3, other: Vec3) -> Vec3 {
+    Vec3::new(
+        f32::from_bits((one.x.to_bits() & mask) | (other.x.to_bits() & !mask)),
+        f32::from_bits((one.y.to_bits() & mask) | (other.y.to_bits() & !mask)),
+        f32::from_bits((one.z.to_bits() & mask) | (other.z.to_bits() & !mask)),
+    )
 }

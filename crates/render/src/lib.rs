@@ -68,6 +68,7 @@ mod shade_block;
 mod shadow_map;
 mod shadow_rays;
 mod show;
+mod srgb;
 mod surface;
 mod surface_lanes;
 mod texture;
@@ -80,9 +81,7 @@ mod whitted;
 pub use aov::render_aovs;
 pub use bsdf::{Bsdf, albedo_ggx, eval_diffuse, eval_ggx};
 pub use camera::{Camera, CameraFrame, Projection};
-pub use color::{
-    Development, LUMINANCE, Tonemap, auto_exposure, develop, linear_to_srgb, srgb_to_linear,
-};
+pub use color::{Development, LUMINANCE, Tonemap, auto_exposure, develop};
 pub use compare::{Comparison, compare, difference_picture};
 pub use direct::Visibility;
 pub use environment::Environment;
@@ -104,6 +103,7 @@ pub use shadow_map::{
 };
 pub use shadow_rays::ShadowRays;
 pub use show::{Fact, Show, ShowContext, Shown, show};
+pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use surface::{SurfaceInteraction, surface_interaction};
 pub use texture::{Checker, Encoding, Filter, ImageTexture, Texture, Wrap};
 pub use umbriel_kernels as kernels;

@@ -2,6 +2,7 @@
 
 use crate::{
     Camera, Development, SceneBvh, ShadowMaps, Stats,
+    color::Developer,
     eye_raster::{EyeRaster, Seen, TILE, least_w},
     render::{Job, counters, lock},
     sampler::sample_pixel,
@@ -97,9 +98,10 @@ pub(crate) fn render_bytes(
     };
     let idle = Mutex::new(Vec::new());
     let tiles = picture_tiles(&raster, job, bytes);
+    let developer = Developer::new(development);
     let stats = tiles.into_par_iter().with_max_len(1).map(|tile| {
         with_worker(&idle, bvh, job, maps, |worker| {
-            exposure.develop(tile, worker, development)
+            exposure.develop(tile, worker, &developer)
         })
     });
     stats.reduce(Stats::default, |a, b| a + b)
@@ -161,22 +163,20 @@ impl Exposure<'_> {
         &self,
         mut tile: PictureTile<[u8; 4]>,
         worker: &mut Worker,
-        development: &Development,
+        developer: &Developer,
     ) -> Stats {
         if self.job.control.stop.load(Ordering::Relaxed) {
             tile.rows.iter_mut().for_each(|row| row.fill([0; 4]));
             return Stats::default();
         }
         self.eye.draw(self.raster, tile.number, &mut worker.image);
-        let mut pixels = [[[0.0; 4]; TILE as usize]; DOWN];
-        for (number, bytes) in tile.rows.chunks_mut(DOWN).enumerate() {
-            let rows = pixels.iter_mut().zip(&*bytes);
-            let mut rows: Vec<&mut [[f32; 4]]> =
-                rows.map(|(row, bytes)| &mut row[..bytes.len()]).collect();
-            self.add_strip(worker, number, true, &mut rows);
+        for (number, rows) in tile.rows.chunks_mut(DOWN).enumerate() {
             // What is written now finds its way to memory while the next rows are shaded.
-            for (bytes, pixels) in bytes.iter_mut().zip(&rows) {
-                development.develop(pixels, bytes);
+            let rect = strip(&worker.image, number);
+            if self.eye.is_plain(worker.tracer.unit(), rect, &worker.image) {
+                self.develop_patches(worker, number, developer, rows);
+            } else {
+                self.develop_rows(worker, rect, developer, rows);
             }
         }
         Stats {
@@ -194,14 +194,12 @@ impl Exposure<'_> {
         is_first: bool,
         rows: &mut [&mut [[f32; 4]]],
     ) {
-        let [x0, y0, x1, y1] = worker.image.rect;
-        let [left, top, right, bottom] = self.job.crop;
-        let y = y0 + (number * DOWN) as u32;
-        let rect = [x0, y, x1, (y + DOWN as u32).min(y1)];
-        if rect[3] <= top || y >= bottom {
+        let rect = strip(&worker.image, number);
+        let ([x0, y0, x1, y1], [left, top, right, bottom]) = (rect, self.job.crop);
+        if y1 <= top || y0 >= bottom {
             return;
         }
-        let within = left <= x0 && right >= x1 && top <= y && bottom >= rect[3];
+        let within = left <= x0 && right >= x1 && top <= y0 && bottom >= y1;
         if within && self.eye.is_plain(worker.tracer.unit(), rect, &worker.image) {
             self.add_patches(worker, number, is_first, rows);
         } else {
@@ -228,6 +226,47 @@ impl Exposure<'_> {
         }
     }
 
+    /// Develops a row of plain patches.
+    fn develop_patches(
+        &self,
+        worker: &mut Worker,
+        number: usize,
+        developer: &Developer,
+        rows: &mut [&mut [[u8; 4]]],
+    ) {
+        let Worker { tracer, image, .. } = worker;
+        let width = (image.rect[2] - image.rect[0]) as usize;
+        let across = TileImage::PATCH[0] as usize;
+        for (column, start) in (0..width).step_by(across).enumerate() {
+            tracer.trace_patch(self.eye, &self.eye.patch(image, column, number));
+            let pixels = start..(start + across).min(width);
+            let rows = rows.iter_mut().map(|row| &mut row[pixels.clone()]);
+            tracer.develop_patch(developer, rows);
+        }
+    }
+
+    /// Develops whole rows.
+    fn develop_rows(
+        &self,
+        worker: &mut Worker,
+        rect: [u32; 4],
+        developer: &Developer,
+        rows: &mut [&mut [[u8; 4]]],
+    ) {
+        let Worker {
+            tracer,
+            image,
+            seen,
+        } = worker;
+        let radiance = self.eye.trace(tracer, rect, image, seen);
+        let mut pixels = [[0.0; 4]; TILE as usize];
+        for (row, bytes) in radiance.chunks((rect[2] - rect[0]) as usize).zip(rows) {
+            let pixels = &mut pixels[..row.len()];
+            add_row(true, row, pixels);
+            developer.develop(pixels, bytes);
+        }
+    }
+
     /// Adds a sample to each pixel of whole rows within the crop.
     fn add_rows(
         &self,
@@ -251,6 +290,13 @@ impl Exposure<'_> {
             }
         }
     }
+}
+
+/// The pixels of a row of patches of a drawn tile.
+fn strip(image: &TileImage, number: usize) -> [u32; 4] {
+    let [x0, y0, x1, y1] = image.rect;
+    let y = y0 + (number * DOWN) as u32;
+    [x0, y, x1, (y + DOWN as u32).min(y1)]
 }
 
 /// The tiles within the crop; each has its part of every row.

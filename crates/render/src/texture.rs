@@ -1,6 +1,6 @@
 //! Textures: checkers and images.
 
-use crate::color::srgb_to_linear;
+use crate::srgb::srgb_to_linear;
 use umbriel_kernels::glam::{Vec2, Vec4};
 
 /// A colour that varies with the texture coordinates.

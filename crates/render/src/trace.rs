@@ -2,6 +2,7 @@
 
 use crate::{
     CameraFrame, Light, MaterialId, Method, SceneBvh, Settings, ShadowMaps, ShadowRays, Unshadowed,
+    color::Developer,
     direct::DirectLight,
     eye_lanes::{EyeLanes, Patch, SeenMesh},
     eye_raster::EyeRaster,
@@ -320,6 +321,18 @@ impl<'a> Tracer<'a> {
         self.unit.run(
             #[inline(always)]
             || self.eye.write(is_first, rows),
+        );
+    }
+
+    /// Develops what [`Tracer::trace_patch`] found into rows of pixels, see [`EyeLanes::develop`].
+    pub(crate) fn develop_patch<'p>(
+        &mut self,
+        developer: &Developer,
+        rows: impl Iterator<Item = &'p mut [[u8; 4]]>,
+    ) {
+        self.unit.run(
+            #[inline(always)]
+            || self.eye.develop(developer, rows),
         );
     }
 

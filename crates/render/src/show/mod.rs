@@ -5,8 +5,8 @@ mod map_pictures;
 mod seen;
 
 use crate::{
-    Camera, Control, Image, Method, SceneBvh, Settings, ShadowMaps, Tonemap, color::srgb_to_linear,
-    develop, render::render_with_maps,
+    Camera, Control, Image, Method, SceneBvh, Settings, ShadowMaps, Tonemap, develop,
+    render::render_with_maps, srgb::srgb_to_linear,
 };
 use light_pictures::{light_depth, light_view};
 use map_pictures::{compare, map_texels};
