@@ -116,7 +116,7 @@ pub use queries::{
     surface_contains,
 };
 pub use raster::{
-    ClipTransform, Clusters, Corner, Cull, DepthImage, Draw, KeepFn, Raster, TileImage,
+    BlockImage, ClipTransform, Clusters, Corner, Cull, DepthImage, Draw, KeepFn, Raster, TileImage,
     draw_triangle, perspective_coordinates, triangle_coordinates,
 };
 pub use ray::{Interval, Ray};

@@ -32,22 +32,25 @@ pub(super) struct ClusterOf {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tiles {
     pub(super) size: [u32; 2],
-    pub(super) side: u32,
+    /// Pixels of a tile across and down.
+    pub(super) side: [u32; 2],
 }
 
 impl Tiles {
     pub(super) fn columns(&self) -> usize {
-        self.size[0].div_ceil(self.side) as usize
+        self.size[0].div_ceil(self.side[0]) as usize
     }
 
     pub(super) fn len(&self) -> usize {
-        self.columns() * self.size[1].div_ceil(self.side) as usize
+        self.columns() * self.size[1].div_ceil(self.side[1]) as usize
     }
 
     /// The tiles of pixels `[x0, y0, x1, y1]`, with the ends.
     fn of(self, pixels: [i32; 4]) -> impl Iterator<Item = u32> {
         let columns = self.columns() as u32;
-        let [x0, y0, x1, y1] = pixels.map(|pixel| pixel as u32 / self.side);
+        let [x0, y0, x1, y1] = pixels.map(|pixel| pixel as u32);
+        let [across, down] = self.side;
+        let (x0, y0, x1, y1) = (x0 / across, y0 / down, x1 / across, y1 / down);
         (y0..=y1).flat_map(move |y| (x0..=x1).map(move |x| y * columns + x))
     }
 }

@@ -8,7 +8,7 @@ use super::fill::Shape;
 use super::projection::Projection;
 use super::setup::{Ready, ReadyLanes};
 use super::slide::{Corner, DepthPlane, edge};
-use super::tile::Blocks;
+use super::tile::BlocksMut;
 use super::vertices::{Corners, VertexCache};
 use super::{Cull, Draw, KeepFn, Raster};
 use crate::mesh_walk::lanes_of;
@@ -18,7 +18,7 @@ use std::mem::swap;
 /// A tile while it is drawn.
 pub(super) struct Canvas<'a, S: Simd, const IDS: bool> {
     pub(super) simd: S,
-    pub(super) blocks: &'a mut Blocks,
+    pub(super) blocks: BlocksMut<'a>,
     /// The tile's first pixel.
     pub(super) first: [i32; 2],
     /// Its pixels, with the ends.
@@ -66,7 +66,7 @@ impl Holes<'_> {
 
 impl<'a, S: Simd, const IDS: bool> Canvas<'a, S, IDS> {
     #[inline(always)]
-    pub(super) fn new(simd: S, blocks: &'a mut Blocks, rect: [u32; 4], size: [u32; 2]) -> Self {
+    pub(super) fn new(simd: S, blocks: BlocksMut<'a>, rect: [u32; 4], size: [u32; 2]) -> Self {
         let [x0, y0, x1, y1] = rect.map(|side| side as i32);
         Self {
             simd,

@@ -4,6 +4,7 @@
 
 mod batch;
 mod bins;
+mod block_image;
 mod bounds;
 mod canvas;
 mod clip;
@@ -19,6 +20,7 @@ mod vertices;
 
 use crate::VectorUnit;
 use bins::{Bins, ClusterOf, CutTriangle, Tiles, bin};
+pub use block_image::BlockImage;
 use canvas::Canvas;
 pub use clusters::Clusters;
 pub use coordinates::{perspective_coordinates, triangle_coordinates};
@@ -27,7 +29,7 @@ use glam::{Mat4, Vec3};
 pub use image::DepthImage;
 use projection::Projection;
 pub use slide::{Corner, draw_triangle};
-use tile::Blocks;
+use tile::BlocksMut;
 pub use tile::TileImage;
 
 /// Object space to clip space: `clip = matrix · (p − origin, 1)`.
@@ -122,6 +124,26 @@ impl<'a> Raster<'a> {
         draws: &'a [Draw<'a>],
         unit: VectorUnit,
     ) -> Self {
+        let side = tile.clamp(16, Self::MOST_PIXELS);
+        Self::in_tiles([side; 2], size, least_w, draws, unit)
+    }
+
+    /// The same for a [`BlockImage`], in tiles as wide as the picture.
+    ///
+    /// # Panics
+    /// As [`Raster::new`].
+    pub fn in_bands(size: [u32; 2], least_w: f32, draws: &'a [Draw<'a>], unit: VectorUnit) -> Self {
+        let side = [size[0].max(1), block_image::rows(size[0])];
+        Self::in_tiles(side, size, least_w, draws, unit)
+    }
+
+    fn in_tiles(
+        side: [u32; 2],
+        size: [u32; 2],
+        least_w: f32,
+        draws: &'a [Draw<'a>],
+        unit: VectorUnit,
+    ) -> Self {
         assert!(
             size.iter().all(|&side| side <= Self::MOST_PIXELS),
             "a picture of {size:?} pixels"
@@ -130,10 +152,7 @@ impl<'a> Raster<'a> {
             assert_eq!(draw.clusters.triangles(), draw.indices.len());
             assert_eq!(draw.clusters.positions, draw.positions.len());
         }
-        let tiles = Tiles {
-            size,
-            side: tile.clamp(16, Self::MOST_PIXELS),
-        };
+        let tiles = Tiles { size, side };
         let projections: Vec<Projection> = draws
             .iter()
             .map(|draw| Projection::new(&draw.transform, size, least_w))
@@ -158,29 +177,31 @@ impl<'a> Raster<'a> {
     pub fn rect(&self, tile: usize) -> [u32; 4] {
         let Tiles { size, side } = self.tiles;
         let columns = self.tiles.columns();
-        let [x, y] = [tile % columns, tile / columns].map(|i| i as u32 * side);
-        [x, y, (x + side).min(size[0]), (y + side).min(size[1])]
+        let (x, y) = (
+            (tile % columns) as u32 * side[0],
+            (tile / columns) as u32 * side[1],
+        );
+        [x, y, (x + side[0]).min(size[0]), (y + side[1]).min(size[1])]
     }
 
     /// Draws one tile with ids; `keep` is asked about the pixels of filtered draws, without it all are there.
     pub fn draw_tile(&self, tile: usize, keep: Option<&KeepFn>, out: &mut TileImage) {
         out.rect = self.rect(tile);
-        self.draw_blocks(true, tile, keep, &mut out.blocks);
+        out.blocks.clear(out.rect, true);
+        self.draw_blocks(tile, keep, out.blocks.lend());
     }
 
-    /// Draws one tile into blocks; false if nothing can be on it.
-    fn draw_blocks(
-        &self,
-        with_ids: bool,
-        tile: usize,
-        keep: Option<&KeepFn>,
-        blocks: &mut Blocks,
-    ) -> bool {
-        let (clusters, cut) = (self.clusters.of(tile), self.cut.of(tile));
-        blocks.clear(self.rect(tile), with_ids);
-        if clusters.is_empty() && cut.is_empty() {
-            return false;
+    /// Whether nothing can be on a tile.
+    fn is_empty(&self, tile: usize) -> bool {
+        self.clusters.of(tile).is_empty() && self.cut.of(tile).is_empty()
+    }
+
+    /// Draws one tile into blocks with nothing in them, with ids if they have any.
+    fn draw_blocks(&self, tile: usize, keep: Option<&KeepFn>, blocks: BlocksMut) {
+        if self.is_empty(tile) {
+            return;
         }
+        let with_ids = !blocks.ids.is_empty();
         dispatch!(self.unit.level(), simd => {
             if with_ids {
                 self.draw_on::<_, true>(simd, tile, keep, blocks);
@@ -188,7 +209,6 @@ impl<'a> Raster<'a> {
                 self.draw_on::<_, false>(simd, tile, keep, blocks);
             }
         });
-        true
     }
 
     // One copy for each vector unit, wherever it is called from.
@@ -198,7 +218,7 @@ impl<'a> Raster<'a> {
         simd: S,
         tile: usize,
         keep: Option<&KeepFn>,
-        blocks: &mut Blocks,
+        blocks: BlocksMut,
     ) {
         simd.vectorize(
             #[inline(always)]

@@ -68,6 +68,26 @@ impl Blocks {
     }
 }
 
+/// The blocks of a tile, or of a band of a picture, while they are drawn.
+#[derive(Debug)]
+pub(super) struct BlocksMut<'a> {
+    pub(super) columns: usize,
+    pub(super) depth: &'a mut [f32],
+    pub(super) ids: &'a mut [u32],
+    pub(super) furthest: &'a mut [f32],
+}
+
+impl Blocks {
+    pub(super) fn lend(&mut self) -> BlocksMut<'_> {
+        BlocksMut {
+            columns: self.columns,
+            depth: &mut self.depth,
+            ids: &mut self.ids,
+            furthest: &mut self.furthest,
+        }
+    }
+}
+
 /// Copies row `y` of a tile out of its blocks.
 pub(super) fn copy_row<T: Copy>(blocks: &[T], columns: usize, y: usize, row: &mut [T]) {
     // Where the row lies in each square.

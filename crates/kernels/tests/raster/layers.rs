@@ -8,13 +8,12 @@ use umbriel_kernels::{ClipTransform, Clusters, Cull, Draw, Raster};
 /// How often each pixel is drawn: each triangle in a picture of its own.
 fn layers(model: &Model, transform: ClipTransform, cull: Cull, least_w: f32) -> Vec<u32> {
     let mut counts = vec![0; (PIXELS[0] * PIXELS[1]) as usize];
-    let mut image = Default::default();
     for triangle in &model.indices {
         let positions = triangle.map(|i| model.positions[i as usize]);
         let single = Model::new(positions.to_vec(), vec![[0, 1, 2]]);
         let draw = draws(std::slice::from_ref(&single), transform, cull);
         let raster = Raster::new(PIXELS, 128, least_w, &draw);
-        raster.depth_image_into(false, None, &mut image);
+        let image = raster.depth_image(false, None);
         for (count, z) in counts.iter_mut().zip(&image.depth) {
             *count += u32::from(*z > 0.0);
         }

@@ -3,7 +3,9 @@
 use crate::random::Random;
 use crate::scenes::{Model, PIXELS, UNIT_PIXELS, soup};
 use umbriel_kernels::glam::Vec3;
-use umbriel_kernels::{Corner, Cull, DepthImage, Raster, TileImage, VectorUnit, draw_triangle};
+use umbriel_kernels::{
+    BlockImage, Corner, Cull, DepthImage, Draw, Raster, TileImage, VectorUnit, draw_triangle,
+};
 
 /// The corner that [`UNIT_PIXELS`] makes of a point, exactly.
 fn corner(p: Vec3) -> Corner {
@@ -173,18 +175,44 @@ fn check_patches(tile: &TileImage, y: usize, ids: &[u32]) {
     }
 }
 
-/// A picture drawn into the memory of another is as new.
+/// The pixels of a picture in blocks, row by row; those beyond it are empty.
+fn in_rows(image: &BlockImage) -> DepthImage {
+    let (mut rows, mut rest) = (
+        DepthImage::new(PIXELS, !image.ids.is_empty()),
+        image.clone(),
+    );
+    for y in 0..image.height {
+        for x in 0..image.width {
+            let (pixel, place) = ((y * image.width + x) as usize, image.place_of(x, y));
+            rows.depth[pixel] = std::mem::take(&mut rest.depth[place]);
+            if let Some(id) = rest.ids.get_mut(place) {
+                rows.ids[pixel] = std::mem::replace(id, u32::MAX);
+            }
+        }
+    }
+    assert_eq!(rest, BlockImage::new(PIXELS, !image.ids.is_empty()));
+    rows
+}
+
+/// A picture in blocks is that in rows, and drawn into the memory of another is as new.
 #[test]
-fn memory_is_reused() {
+fn pictures_in_blocks_equal_the_slide() {
     let mut random = Random(14);
     let models = [soup(&mut random, 100, 30.0, 1.0 / 256.0)];
     let full = crate::scenes::draws(&models, UNIT_PIXELS, Cull::None);
-    let mut image = Raster::new(PIXELS, 32, 1e-3, &full).depth_image(true, None);
-    for with_ids in [true, false, true] {
-        let raster = Raster::new(PIXELS, 32, 1e-3, &[]);
-        raster.depth_image_into(with_ids, None, &mut image);
-        assert_eq!(image, DepthImage::new(PIXELS, with_ids));
-        Raster::new(PIXELS, 32, 1e-3, &full).depth_image_into(with_ids, None, &mut image);
-        assert!(image.depth.iter().any(|&z| z > 0.0));
+    let expected = slide(&models, Cull::None);
+    for unit in VectorUnit::available() {
+        let mut image = BlockImage::default();
+        let mut draw = |with_ids, draws: &[Draw]| {
+            let raster = Raster::in_bands(PIXELS, 1e-3, draws, unit);
+            raster.block_image_into(with_ids, None, &mut image);
+            in_rows(&image)
+        };
+        for with_ids in [true, false, true] {
+            let found = draw(with_ids, &full);
+            assert_eq!(found.depth, expected.depth, "{unit:?}");
+            assert!(!with_ids || found.ids == expected.ids, "{unit:?}");
+            assert_eq!(draw(with_ids, &[]), DepthImage::new(PIXELS, with_ids));
+        }
     }
 }

@@ -6,12 +6,12 @@ use crate::{
 };
 use rayon::prelude::*;
 use umbriel_kernels::{
-    Hit, LANES, Plane, Ray, Surface, SurfaceList,
+    BlockImage, Hit, LANES, Plane, Ray, Surface, SurfaceList,
     glam::{Affine3A, Vec2, Vec3},
 };
 
-/// Rows of a band of the image; each belongs to one thread.
-const BAND: usize = 32;
+/// Rows of a band of the image, whole squares of it; each belongs to one thread.
+const BAND: u32 = 32;
 
 /// How a material casts its shadow into a map, which knows one depth a texel and no colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,20 +72,15 @@ pub(crate) fn draw_surfaces(
     if solids.is_empty() {
         return;
     }
-    let band = BAND * view.side as usize;
+    let band = BAND as usize * 16 * BlockImage::squares(view.side) as usize;
     let no_ids = std::iter::repeat_with(|| None);
-    let id_bands = map.ids.chunks_mut(band).map(Some).chain(no_ids);
-    let bands: Vec<_> = map.stored.chunks_mut(band).zip(id_bands).collect();
+    let id_bands = map.image.ids.chunks_mut(band).map(Some).chain(no_ids);
+    let bands: Vec<_> = map.image.depth.chunks_mut(band).zip(id_bands).collect();
     let bands = bands.into_par_iter().enumerate();
     bands.for_each(|(number, (depths, mut ids))| {
         for solid in &solids {
-            solid.draw_band(
-                bvh,
-                &view,
-                (number * BAND) as u32,
-                depths,
-                ids.as_deref_mut(),
-            );
+            let top = number as u32 * BAND;
+            solid.draw_band(bvh, &view, top, depths, ids.as_deref_mut());
         }
     });
 }
@@ -122,7 +117,7 @@ fn solid(
 }
 
 impl Solid {
-    /// Draws whole rows of the image from row `top` on.
+    /// Draws the rows of a band of the image from row `top` on.
     fn draw_band(
         &self,
         bvh: &SceneBvh,
@@ -131,12 +126,8 @@ impl Solid {
         depths: &mut [f32],
         mut ids: Option<&mut [u32]>,
     ) {
-        let width = view.side as usize;
-        let rows = (depths.len() / width) as u32;
-        for y in self.rect[1].max(top)..self.rect[3].min(top + rows) {
-            let row = (y - top) as usize * width..(y - top + 1) as usize * width;
-            let ids = ids.as_mut().map(|ids| &mut ids[row.clone()]);
-            self.draw_row(bvh, view, y, &mut depths[row], ids);
+        for y in self.rect[1].max(top)..self.rect[3].min(top + BAND) {
+            self.draw_row(bvh, view, [top, y], depths, ids.as_deref_mut());
         }
     }
 
@@ -144,7 +135,7 @@ impl Solid {
         &self,
         bvh: &SceneBvh,
         view: &LightView,
-        y: u32,
+        [top, y]: [u32; 2],
         depths: &mut [f32],
         mut ids: Option<&mut [u32]>,
     ) {
@@ -160,7 +151,8 @@ impl Solid {
                 self.list.closest(&rays[..len], &mut hits[..len]);
             }
             for i in 0..len {
-                let texel = start as usize + i;
+                let squares = BlockImage::squares(view.side);
+                let texel = BlockImage::place(squares, start + i as u32, y - top) as usize;
                 let Some((t, part)) = self.first(bvh, &rays[i], hits[i]) else {
                     continue;
                 };

@@ -5,16 +5,15 @@ use super::{
     bias::{Receiver, is_lit},
 };
 use rayon::prelude::*;
+use umbriel_kernels::BlockImage;
 
 /// The depths that a light sees, and where asked for what it sees them of.
 #[derive(Clone, Debug)]
 pub struct DepthMap {
     /// How it sees the world.
     pub view: LightView,
-    /// Stored depths row by row, greater for what is nearer; 0 where nothing is. See [`LightView::linear`].
-    pub stored: Vec<f32>,
-    /// Row by row the number of the caster; `u32::MAX` where nothing is; empty if not asked for.
-    pub(crate) ids: Vec<u32>,
+    /// Stored depths, see [`LightView::linear`], and if asked for the numbers of the casters.
+    pub(crate) image: BlockImage,
 }
 
 impl DepthMap {
@@ -22,7 +21,13 @@ impl DepthMap {
     #[inline]
     pub fn depth(&self, x: u32, y: u32) -> Option<f32> {
         let side = self.view.side;
-        (x < side && y < side).then(|| self.view.linear(self.stored[(y * side + x) as usize]))
+        (x < side && y < side).then(|| self.view.linear(self.stored(x, y)))
+    }
+
+    /// What is stored at a texel of the map.
+    #[inline]
+    pub(crate) fn stored(&self, x: u32, y: u32) -> f32 {
+        self.image.depth[self.image.place_of(x, y)]
     }
 
     /// The least and the greatest depth in metres; `(0, 0)` for an empty map.
@@ -37,7 +42,7 @@ impl DepthMap {
                 })
         };
         let both = |a: [f32; 2], b: [f32; 2]| [a[0].max(b[0]), a[1].min(b[1])];
-        let bands = self.stored.par_chunks(1 << 16).map(ends);
+        let bands = self.image.depth.par_chunks(1 << 16).map(ends);
         let [most, least] = bands.reduce(|| [0.0, f32::INFINITY], both);
         if most == 0.0 {
             return (0.0, 0.0);
@@ -60,7 +65,6 @@ impl DepthMap {
         if x < 0 || y < 0 || x as u32 >= side || y as u32 >= side {
             return true;
         }
-        let stored = self.stored[y as usize * side as usize + x as usize];
-        is_lit(stored, receiver.at_texel(x, y))
+        is_lit(self.stored(x as u32, y as u32), receiver.at_texel(x, y))
     }
 }

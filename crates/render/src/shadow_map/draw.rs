@@ -16,12 +16,9 @@ use crate::{
 };
 use std::sync::Mutex;
 use umbriel_kernels::{
-    DepthImage, Plane, Raster,
+    BlockImage, Plane, Raster,
     glam::{Vec2, Vec3},
 };
-
-/// Width of the tiles of a depth image: their rows are drawn by one thread each.
-const TILE: u32 = 256;
 
 /// The shadow maps of a scene's lights, for one picture.
 #[derive(Clone, Debug)]
@@ -80,12 +77,7 @@ impl ShadowMaps {
         with_ids: bool,
     ) {
         let former = std::mem::take(&mut self.maps).into_iter();
-        let former = former.flat_map(|map| map.faces).map(|face| DepthImage {
-            width: face.view.side,
-            height: face.view.side,
-            depth: face.stored,
-            ids: face.ids,
-        });
+        let former = former.flat_map(|map| map.faces).map(|face| face.image);
         let scene = bvh.scene();
         let extent = Extent::of(bvh);
         let first_ids = first_ids(scene);
@@ -118,15 +110,15 @@ impl ShadowMaps {
     pub fn writer(&self, light: usize, face: usize, x: u32, y: u32) -> Option<(InstanceId, u32)> {
         let map = self.maps.get(light)?.faces.get(face)?;
         let side = map.view.side;
-        let texel = (x < side && y < side).then(|| (y * side + x) as usize)?;
-        let id = *map.ids.get(texel).filter(|&&id| id != u32::MAX)?;
+        let texel = (x < side && y < side).then(|| map.image.place_of(x, y))?;
+        let id = *map.image.ids.get(texel).filter(|&&id| id != u32::MAX)?;
         let (instance, primitive) = find(&self.first_ids, id);
         Some((InstanceId(instance), primitive))
     }
 
     /// Bytes on the heap.
     pub fn memory(&self) -> usize {
-        let face = |map: &DepthMap| (map.stored.capacity() + map.ids.capacity()) * 4;
+        let face = |map: &DepthMap| (map.image.depth.capacity() + map.image.ids.capacity()) * 4;
         let faces = self.maps.iter().flat_map(|map| &map.faces);
         let moments = self.maps.iter().flat_map(|map| &map.moments);
         faces.map(face).sum::<usize>() + moments.map(Moments::memory).sum::<usize>()
@@ -168,7 +160,7 @@ struct Job<'a> {
     first_ids: &'a [u32],
     with_ids: bool,
     /// Images whose memory may be used again.
-    former: Mutex<Vec<DepthImage>>,
+    former: Mutex<Vec<BlockImage>>,
 }
 
 impl Job<'_> {
@@ -299,21 +291,17 @@ impl Job<'_> {
         let draws = caster_draws(self.bvh, self.first_ids, &view, self.settings.glass_shadows);
         let size = [view.side; 2];
         let image = if draws.draws.is_empty() {
-            DepthImage::new(size, self.with_ids)
+            BlockImage::new(size, self.with_ids)
         } else {
             // Parallel light has w = 1 everywhere.
             let least_w = if view.perspective { view.near } else { 0.5 };
-            let raster = Raster::with_unit(size, TILE, least_w, &draws.draws, self.bvh.unit());
+            let raster = Raster::in_bands(size, least_w, &draws.draws, self.bvh.unit());
             let keep = |draw, primitive, u, v| draws.is_kept(scene, draw, primitive, u, v);
             let mut image = lock(&self.former).pop().unwrap_or_default();
-            raster.depth_image_into(self.with_ids, Some(&keep), &mut image);
+            raster.block_image_into(self.with_ids, Some(&keep), &mut image);
             image
         };
-        DepthMap {
-            view,
-            stored: image.depth,
-            ids: image.ids,
-        }
+        DepthMap { view, image }
     }
 }
 

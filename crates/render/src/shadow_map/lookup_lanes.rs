@@ -24,8 +24,8 @@ struct ReceiverLanes {
     plane_y: Lanes,
     /// Whether the planes are any but 0.
     follows: bool,
-    /// The first texel of the filter's square around the receiver's own, or of any square where the face does not hold it.
-    first: [u32; LANES],
+    /// Column and row of the first texel of the filter's square around the receiver's own, or of any square where the face does not hold it.
+    first: [[u32; LANES]; 2],
     /// 1 where the face holds the receiver with the filter and alone, otherwise 0.
     held: Lanes,
 }
@@ -41,7 +41,7 @@ impl<'a> MapVisibility<'a> {
                 plane_x: zero,
                 plane_y: zero,
                 follows: false,
-                first: [0; LANES],
+                first: [[0; LANES]; 2],
                 held: zero,
             }),
         }
@@ -154,8 +154,8 @@ impl ReceiverLanes {
             self.plane_x[i] = receiver.plane.x;
             self.plane_y[i] = receiver.plane.y;
             let (x, y) = (receiver.own.x.max(reach), receiver.own.y.max(reach));
-            let (x, y) = (whole(x.min(last) - reach), whole(y.min(last) - reach));
-            self.first[i] = y * view.side + x;
+            self.first[0][i] = whole(x.min(last) - reach);
+            self.first[1][i] = whole(y.min(last) - reach);
             let (least, most) = (receiver.at.min_element(), receiver.at.max_element());
             // In front of the light and in the map; NaN is not.
             let held = (receiver.z > 0.0)
@@ -177,10 +177,9 @@ impl ReceiverLanes {
     ) {
         let width = 2 * reach + 1;
         let near = NearTexels {
-            texels: &face.stored,
-            side: face.view.side as usize,
-            width: width as usize,
-            first: &self.first,
+            image: &face.image,
+            width,
+            first: self.first.each_ref(),
             compared: &self.stored,
             planes: self.follows.then_some([&self.plane_x, &self.plane_y]),
         };

@@ -82,7 +82,7 @@ impl Taps<'_> {
             .floor()
             .clamp(Vec2::ZERO, Vec2::splat(last))
             .as_uvec2();
-        let stored = map.stored[(texel.y * map.view.side + texel.x) as usize];
+        let stored = map.stored(texel.x, texel.y);
         // `there` is one metre deep on the first face.
         let depth = there.z * z;
         Tap {

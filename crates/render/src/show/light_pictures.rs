@@ -64,7 +64,8 @@ pub(super) fn light_depth(context: &ShowContext) -> Shown {
             _ => NOTHING,
         });
     }
-    let texels = faces.iter().map(|map| map.stored.len()).sum();
+    let texels = faces.iter().map(|map| (map.view.side as usize).pow(2));
+    let texels = texels.sum();
     let mut facts = vec![Fact::percent("texels with a caster", depths.len(), texels)];
     if !depths.is_empty() {
         facts.push(Fact::new("white at", f64::from(nearest), "m"));
@@ -78,7 +79,7 @@ pub(super) fn light_depth(context: &ShowContext) -> Shown {
 
 /// The depths of all texels that hold one, in metres.
 fn depths_of(map: &DepthMap) -> impl Iterator<Item = f32> {
-    let stored = map.stored.iter().filter(|&&stored| stored > 0.0);
+    let stored = map.image.depth.iter().filter(|&&stored| stored > 0.0);
     stored.map(|&stored| map.view.linear(stored))
 }
 
