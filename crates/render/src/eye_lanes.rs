@@ -167,16 +167,15 @@ impl EyeLanes {
     pub(crate) fn drop_bad(&mut self, patch: &Patch) -> u64 {
         let mut bad = [0_u32; LANES];
         for (i, bad) in bad.iter_mut().enumerate() {
-            let radiance = self.radiance.get(i);
-            let is_bad = !radiance.is_finite();
-            *bad = u32::from(is_bad);
-            self.radiance
-                .set(i, if is_bad { Vec3::ZERO } else { radiance });
+            // Nothing times NaN and infinity is NaN.
+            *bad = u32::from(!(self.radiance.get(i).dot(Vec3::ZERO) == 0.0));
         }
         if bad.iter().fold(0, |any, bad| any | bad) == 0 {
             return 0;
         }
         let lanes = patch.lanes(|i| bad[i] != 0);
+        self.sum = Vec3Lanes::default();
+        self.take(lanes);
         u64::from((lanes & patch.inside()).count_ones())
     }
 

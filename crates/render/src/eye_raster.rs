@@ -34,6 +34,8 @@ pub(crate) struct EyeRaster<'a> {
     solids: Vec<EyeSolid>,
     /// Of each instance that needs no rays to be shaded.
     plain: Vec<Option<SeenMesh<'a>>>,
+    /// All that are drawn.
+    all_plain: bool,
 }
 
 /// Rays, each with the triangle that was drawn at its pixel.
@@ -99,14 +101,17 @@ impl<'a> EyeRaster<'a> {
             let (origin, matrix) = view.clip(to_world);
             (origin, to_picture * matrix)
         };
+        let plain: Vec<_> = (0..scene.instances.len())
+            .map(|i| plain(bvh, i, [first_ids[i], first_ids[i + 1]]))
+            .collect();
+        let is_mesh = |i: usize| matches!(scene.instances[i].geometry, Geometry::Mesh(_));
         Self {
             bvh,
             frame: camera.frame(size),
             place,
             size,
-            plain: (0..scene.instances.len())
-                .map(|i| plain(bvh, i, [first_ids[i], first_ids[i + 1]]))
-                .collect(),
+            all_plain: (0..plain.len()).all(|i| plain[i].is_some() || !is_mesh(i)),
+            plain,
             draws: SceneDraws::new(bvh, &first_ids, clip, |i| Some(cutoff(scene, i)), false),
             solids: (0..scene.instances.len())
                 .filter_map(|i| EyeSolid::new(bvh, &view, i, size, cutoff(scene, i)))
@@ -124,6 +129,7 @@ impl<'a> EyeRaster<'a> {
     #[cfg(test)]
     pub(crate) fn forget_plain(&mut self) {
         self.plain.fill(None);
+        self.all_plain = false;
     }
 
     /// Draws the triangles of one tile.
@@ -221,6 +227,9 @@ impl<'a> EyeRaster<'a> {
         let [x0, y0, x1, _] = rect;
         if self.solids.iter().any(|solid| solid.is_near(rect)) {
             return false;
+        }
+        if self.all_plain {
+            return true;
         }
         let row = ((y0 - tile.rect[1]) / TileImage::PATCH[1]) as usize;
         let mut columns = 0..(x1 - x0).div_ceil(TileImage::PATCH[0]) as usize;
