@@ -2,7 +2,7 @@
 
 use super::octree::{Octree, Run};
 use super::poly_ray::Polynomial;
-use super::root::{Budget, each_root, polish_in};
+use super::root::{Budget, each_root, newton_between, polish_in};
 use super::surface_bounds::{Cell, Shrunk, holding_cube, shrink};
 use super::surface_line::{Segment, TapeLine};
 use super::{Formula, Interval64, Scratch, Tape};
@@ -234,8 +234,7 @@ impl ImplicitSurface {
             };
             match leaf.run(from, to, dir) {
                 Run::NoRoot => false,
-                Run::Monotone(a, b) if a * b > 0.0 => false,
-                Run::Monotone(..) => match self.monotone_root(&mut line, t) {
+                Run::Monotone(a, b) => match self.monotone_root(&mut line, t, (a, b)) {
                     Ends::NoRoot => false,
                     Ends::Root(root) => found(root),
                     Ends::Unclear => each_root(&mut line, t, budget, &mut found),
@@ -245,12 +244,14 @@ impl ImplicitSurface {
         });
     }
 
-    /// The root of a monotone piece by the signs at its ends, unless rounding may hide one of them.
-    fn monotone_root(&self, line: &mut TapeLine, t: Interval64) -> Ends {
-        let (a, b) = (
-            line.tape.value(line.segment.at(t.lo)),
-            line.tape.value(line.segment.at(t.hi)),
-        );
+    /// The root of a monotone piece: where Newton's method finds it between the ends, else by the signs there, unless rounding may hide
+    /// one of them. `ends` encloses the values there.
+    fn monotone_root(&self, line: &mut TapeLine, t: Interval64, ends: (Interval64, Interval64)) -> Ends {
+        let mut at = |t: f64| super::root::Line::at(line, t);
+        if let Some(root) = newton_between(&mut at, t, ends) {
+            return Ends::Root(root);
+        }
+        let [a, b] = [t.lo, t.hi].map(|t| line.tape.value(line.segment.at(t)));
         if !(a.abs() > self.value_error && b.abs() > self.value_error) {
             Ends::Unclear
         } else if (a < 0.0) == (b < 0.0) {
