@@ -44,7 +44,9 @@ impl Formula {
         let tape = graph.tape(root);
         if tape.ops() > Self::MOST_OPERATIONS {
             let (ops, most) = (tape.ops(), Self::MOST_OPERATIONS);
-            let message = format!("{ops} operations are left when equal parts are shared; at most {most} are computed");
+            let message = format!(
+                "{ops} operations are left when equal parts are shared; at most {most} are computed"
+            );
             return Err(FormulaError::new(source, 0, message));
         }
         Ok(Self {
