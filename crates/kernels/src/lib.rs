@@ -46,7 +46,7 @@
 //! Many rays or points at once, on all threads, are asked of a [`Body`]: a mesh or a surface.
 //!
 //! ```
-//! use umbriel_kernels::{Body, BuildQuality, Method, Ray, TriangleMesh, Way, glam::Vec3};
+//! use umbriel_kernels::{Body, BuildQuality, ContainmentMethod, Ray, TriangleMesh, Way, glam::Vec3};
 //!
 //! let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
 //! let indices = vec![[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
@@ -59,7 +59,7 @@
 //! assert_eq!(ways, [(1.5, Way::Enter), (2.0, Way::Leave)]);
 //!
 //! let found = body.contains(&[Vec3::splat(0.2), Vec3::ONE]);
-//! assert_eq!((found.inside, found.method), (vec![true, false], Method::Crossings));
+//! assert_eq!((found.inside, found.method), (vec![true, false], ContainmentMethod::Crossings));
 //! ```
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
@@ -79,6 +79,7 @@ mod instance_walk;
 mod instances;
 mod mesh_bvh;
 mod mesh_walk;
+mod mix;
 mod offset;
 mod plane;
 pub mod polynomial;
@@ -107,10 +108,11 @@ pub use implicit::{
 };
 pub use instances::{Filter, InstanceBvh, Placed, Shape};
 pub use mesh_bvh::{BuildQuality, MeshBvh, MeshHit, Walk};
+pub use mix::mix_bits;
 pub use offset::{gamma, offset_origin};
 pub use plane::{Plane, intersect_plane};
 pub use queries::{
-    Body, Containment, Crossing, Crossings, Method, TriangleMesh, Way, solid_angle,
+    Body, Containment, ContainmentMethod, Crossing, Crossings, TriangleMesh, Way, solid_angle,
     surface_contains,
 };
 pub use raster::{

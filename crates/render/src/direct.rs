@@ -36,7 +36,7 @@ pub(crate) trait VisibilityLanes {
 
 /// Light on its way to the film, should nothing stand between surface and light.
 #[derive(Clone, Copy, Debug)]
-struct Unshadowed {
+struct PendingLight {
     /// Which sample it belongs to.
     sample: u32,
     radiance: Vec3,
@@ -176,7 +176,7 @@ pub(crate) const LEAST_SHARE: f32 = FRAC_1_PI / 65_536.0;
 pub(crate) struct DirectLight {
     rays: Vec<Ray>,
     lights: Vec<u32>,
-    unshadowed: Vec<Unshadowed>,
+    unshadowed: Vec<PendingLight>,
     fractions: Vec<Vec3>,
     lit: LitLanes,
     /// Number of visibility questions asked so far.
@@ -207,7 +207,7 @@ impl DirectLight {
                 if self.lit.share[i] > LEAST_SHARE {
                     self.rays.push(self.lit.ray(i));
                     self.lights.push(number as u32);
-                    self.unshadowed.push(Unshadowed {
+                    self.unshadowed.push(PendingLight {
                         sample: seen.sample[i],
                         radiance: self.lit.radiance.get(i),
                     });

@@ -5,7 +5,7 @@ use crate::{
     eye_lanes::{Patch, SeenMesh},
     eye_solid::EyeSolid,
     scene_draws::{SceneDraws, find, first_ids},
-    shadow_map::LightView,
+    shadow_map::{LEAST_DISTANCE, LightView},
     trace::Tracer,
 };
 use std::ops::Range;
@@ -17,8 +17,6 @@ use umbriel_kernels::{
 
 /// Pixels a side of a tile: small enough that its depths and what is shaded stay in the cache.
 pub(crate) const TILE: u32 = 128;
-/// Nothing nearer to the eye than this share of the furthest thing's distance is seen: so small that a far dome hides nothing near.
-const LEAST_DISTANCE: f32 = 1.0 / (1_u64 << 40) as f32;
 
 /// A camera's picture ready to be drawn, for one place within the pixels.
 ///
@@ -321,7 +319,7 @@ pub(crate) fn shows_all(bvh: &SceneBvh, camera: &Camera) -> bool {
     })
 }
 
-/// Least `w` of what is drawn.
+/// Least `w` of what is drawn; to an eye in perspective nothing nearer than [`LEAST_DISTANCE`] of the furthest thing's distance is seen.
 pub(crate) fn least_w(camera: &Camera, reach: f32) -> f32 {
     match camera.projection {
         Projection::Perspective { .. } => reach * LEAST_DISTANCE,

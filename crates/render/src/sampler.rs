@@ -1,6 +1,6 @@
 //! Where samples lie in a pixel: a pure function of (pixel, sample, seed).
 
-use umbriel_kernels::glam::Vec2;
+use umbriel_kernels::{glam::Vec2, mix_bits};
 
 /// The place in `[0, 1)²` of sample number `sample` of `count` in the pixel `x`, `y`.
 ///
@@ -22,7 +22,7 @@ pub fn sample_pixel(x: u32, y: u32, sample: u32, count: u32, seed: u64) -> Vec2 
 /// [`sample_pixel`] for more than one sample; apart, so that the single one is not made to wait for the random vector.
 #[inline(never)]
 fn moved_hammersley(x: u32, y: u32, sample: u32, count: u32, seed: u64) -> Vec2 {
-    let random = hash(seed ^ hash(u64::from(x) << 32 | u64::from(y)));
+    let random = mix_bits(seed ^ mix_bits(u64::from(x) << 32 | u64::from(y)));
     let u = (u64::from(sample) << 32 | 1 << 31) / u64::from(count);
     let wrapped = (u as u32).wrapping_add(random as u32);
     let v = sample.reverse_bits().wrapping_add((random >> 32) as u32);
@@ -33,18 +33,6 @@ fn moved_hammersley(x: u32, y: u32, sample: u32, count: u32, seed: u64) -> Vec2 
 #[inline]
 fn unit_float(bits: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
-}
-
-/// A bijection of 64 bits in which each input bit changes half of the output's.
-///
-/// Source: Steele, Lea & Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014 (the
-/// finaliser of SplitMix64).
-#[inline]
-fn hash(x: u64) -> u64 {
-    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
 }
 
 #[cfg(test)]

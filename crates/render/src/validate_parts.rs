@@ -195,55 +195,37 @@ fn check_ends(a: Vec3, b: Vec3) -> Check {
 }
 
 pub(crate) fn check_material(material: &Material, textures: usize) -> Check {
-    let color = material.base_color;
-    let in_range = color.min_element() >= 0.0 && color.max_element() <= 1.0 && color.is_finite();
-    check(
-        in_range,
-        "base_color",
-        color,
-        "from 0 to 1 in every component",
-    )?;
+    check_share_color("base_color", material.base_color)?;
     check_unit("alpha", material.alpha)?;
     check_unit("metallic", material.metallic)?;
     check_unit("roughness", material.roughness)?;
-    check(
-        material.normal_scale.is_finite(),
-        "normal_scale",
-        material.normal_scale,
-        "finite",
-    )?;
+    let scale = material.normal_scale;
+    check(scale.is_finite(), "normal_scale", scale, "finite")?;
     check_color("emission", material.emission)?;
     check_unit("transmission", material.transmission)?;
-    check(
-        material.ior >= 1.0 && material.ior.is_finite(),
-        "ior",
-        material.ior,
-        "1 or greater and finite",
-    )?;
-    let color = material.attenuation_color;
-    // Written so that NaN fails, too; KHR_materials_volume allows 0, which absorbs everything.
-    let in_range = color.min_element() >= 0.0 && color.max_element() <= 1.0 && color.is_finite();
-    check(
-        in_range,
-        "attenuation_color",
-        color,
-        "from 0 to 1 in every component",
-    )?;
+    let ior = material.ior;
+    let in_range = ior >= 1.0 && ior.is_finite();
+    check(in_range, "ior", ior, "1 or greater and finite")?;
+    // KHR_materials_volume allows 0, which absorbs everything.
+    check_share_color("attenuation_color", material.attenuation_color)?;
     let distance = material.attenuation_distance;
-    check(
-        distance > 0.0,
-        "attenuation_distance",
-        distance,
-        "greater than 0",
-    )?;
+    let expected = "greater than 0";
+    check(distance > 0.0, "attenuation_distance", distance, expected)?;
     if let AlphaMode::Mask { cutoff } = material.alpha_mode {
-        check(
-            cutoff >= 0.0 && cutoff.is_finite(),
-            "alpha_cutoff",
-            cutoff,
-            "0 or greater",
-        )?;
+        let in_range = cutoff >= 0.0 && cutoff.is_finite();
+        check(in_range, "alpha_cutoff", cutoff, "0 or greater")?;
     }
+    check_texture_uses(material, textures)
+}
+
+/// A color that is a share of light in every component.
+fn check_share_color(field: &'static str, color: Vec3) -> Check {
+    // Written so that NaN fails, too.
+    let in_range = color.min_element() >= 0.0 && color.max_element() <= 1.0 && color.is_finite();
+    check(in_range, field, color, "from 0 to 1 in every component")
+}
+
+fn check_texture_uses(material: &Material, textures: usize) -> Check {
     let uses = [
         ("base_color_texture", &material.base_color_texture),
         (

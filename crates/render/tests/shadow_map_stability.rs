@@ -4,8 +4,9 @@ mod support;
 
 use support::{
     add_mesh, add_surface, floor, matte, point_light,
-    shadow_scene::{camera, cuboid, settings, tori},
+    shadow_scene::{camera, cuboid, look_at, settings, tori},
     shadow_truth::{maps, truth},
+    sun,
 };
 use umbriel_render::{
     GlassShadows, Material, Scene, SceneBvh, ShadowMapSettings, ShadowMaps,
@@ -105,4 +106,41 @@ fn blurred_moments_reach_over_the_edges_of_a_cube() {
         println!("{filter}: {worst} at worst, {mean} in the mean");
         assert!(worst < 0.2 && mean < 0.02, "{filter}: {worst}, {mean}");
     }
+}
+
+/// Along the edge of a wall's shadow, from cascade to cascade: the penumbra grows with the texels, but its answers never jump.
+#[test]
+fn cascades_meet_without_a_jump() {
+    let mut scene = Scene::default();
+    add_surface(&mut scene, floor(), matte(Vec3::ONE));
+    let wall = cuboid(
+        Vec3::new(0.3, 1.5, 35.0),
+        Quat::IDENTITY,
+        Vec3::new(0.0, 0.0, -25.0),
+    );
+    add_mesh(&mut scene, wall, Material::default());
+    scene.lights.push(sun(Vec3::new(1.0, -0.8, 0.0), 1.0));
+    let bvh = SceneBvh::build(&scene);
+    let eye = look_at(Vec3::new(2.0, 2.5, 12.0), Vec3::X);
+    let map = ShadowMapSettings {
+        resolution: 1024,
+        cascades: 4,
+        filter: "bilinear:15".parse().unwrap(),
+        ..ShadowMapSettings::default()
+    };
+    let maps = maps(&bvh, &eye, [640, 360], map, GlassShadows::Opaque);
+    let map = maps.of(0);
+    let (mut worst, mut faces) = (0.0_f32, 0);
+    for x in [1.9, 2.0, 2.1, 2.2, 2.3] {
+        let along = (0..40_000).map(|i| Vec3::new(x, 0.0, 9.0 - i as f32 * 1e-3));
+        let found: Vec<_> = along.filter_map(|p| map.lookup(p, Vec3::Y)).collect();
+        for pair in found.windows(2) {
+            faces += u32::from(pair[0].face != pair[1].face);
+            worst = worst.max((pair[0].fraction - pair[1].fraction).abs());
+        }
+    }
+    println!("{worst} at worst over {faces} seams");
+    assert!(faces >= 10, "{faces} seams were passed");
+    // A step of a millimetre is a fraction of a texel, whose weight is a fifteenth at most.
+    assert!(worst < 0.02, "{worst}");
 }

@@ -3,7 +3,8 @@
 use crate::show::{ShowList, parse_show};
 use crate::values::{
     Exposure, Resolution, parse_aovs, parse_crop, parse_definition, parse_exposure, parse_fov,
-    parse_light_size, parse_resolution, parse_threshold, parse_tolerance, parse_vector,
+    parse_light_size, parse_map_side, parse_resolution, parse_threshold, parse_tolerance,
+    parse_vector,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use std::path::PathBuf;
@@ -168,7 +169,7 @@ pub(crate) struct RenderArgs {
 #[derive(Clone, Debug, Args)]
 pub(crate) struct ShadowMapArgs {
     /// Texels a side of every shadow map [default: 2048]
-    #[arg(long = "shadow-map-size", value_name = "N", value_parser = value_parser!(u64).range(1..))]
+    #[arg(long = "shadow-map-size", value_name = "N", value_parser = parse_map_side, allow_negative_numbers = true)]
     pub(crate) size: Option<u64>,
     /// What keeps surfaces from shadowing themselves: none, constant:AMOUNT, slope-scaled:AMOUNT, normal-offset:AMOUNT,
     /// receiver-plane:AMOUNT or adaptive; AMOUNT in texels, or in metres as in 0.02m [default: adaptive]

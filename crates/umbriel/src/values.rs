@@ -1,6 +1,9 @@
 //! Values of options: how they are written and what they mean.
 
-use umbriel_formats::{ShadowMapOverrides, render::Aov};
+use umbriel_formats::{
+    ShadowMapOverrides,
+    render::{Aov, ShadowMapSettings},
+};
 
 /// Size of the picture as asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,6 +74,15 @@ pub(crate) fn parse_fov(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(degrees) if degrees > 0.0 && degrees < 180.0 => Ok(degrees),
         _ => Err("expected degrees above 0 and below 180".to_owned()),
+    }
+}
+
+/// Texels a side of a shadow map. What is too many is told with the memory that they take, later.
+pub(crate) fn parse_map_side(text: &str) -> Result<u64, String> {
+    let most = ShadowMapSettings::MAX_RESOLUTION;
+    match text.parse::<u64>() {
+        Ok(side) if side > 0 => Ok(side),
+        _ => Err(format!("expected texels a side, from 1 to {most}")),
     }
 }
 

@@ -133,7 +133,13 @@ fn options_without_effect_are_named() {
 fn wrong_values_are_refused() {
     let folder = folder();
     for (option, value, code, part) in [
-        ("--shadow-map-size", "0", 2, "--shadow-map-size"),
+        (
+            "--shadow-map-size",
+            "0",
+            2,
+            "expected texels a side, from 1 to 16384",
+        ),
+        ("--shadow-map-size", "-4", 2, "expected texels a side"),
         ("--shadow-map-size", "1.5", 2, "--shadow-map-size"),
         (
             "--shadow-map-size",
@@ -148,6 +154,13 @@ fn wrong_values_are_refused() {
             "`constant:NaN` is no shadow bias; expected none,",
         ),
         ("--shadow-bias", "slope", 2, "slope-scaled:AMOUNT"),
+        (
+            "--shadow-bias",
+            "constant:1e38",
+            2,
+            "AMOUNT from 0 to 1000000",
+        ),
+        ("--shadow-filter", "vsm:65", 2, "whole and to 64"),
         (
             "--shadow-filter",
             "pcf:2",

@@ -54,6 +54,10 @@ impl Tree {
     ///
     /// `leaf` lowers the end of the interval when it finds a hit, so that boxes behind it are skipped. Boxes that begin exactly there
     /// are still visited: among hits at equal `t` the closure applies its own rule.
+    ///
+    /// Source: Dammertz, Hanika & Keller, "Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays", EGSR 2008; Wald,
+    /// Benthin & Boulos, "Getting Rid of Packets: Efficient SIMD Single-Ray Traversal using Multi-Branching BVHs", IRT 2008 (one ray against
+    /// the boxes of all children at once).
     #[inline(always)]
     pub(crate) fn closest<S: Simd>(
         &self,
@@ -91,7 +95,8 @@ impl Tree {
     /// Tells whether `leaf` says true for any leaf under the node `from` whose box the ray meets; stops at the first.
     ///
     /// Nodes are taken in the order in which they were found: which comes next does not depend on what the test of this one
-    /// finds, so that the processor has several in work. Leaves wait until a round of nodes is done.
+    /// finds, so that the processor has several in work. Leaves wait until a round of nodes is done. The boxes are tested as for
+    /// [`Tree::closest`].
     #[inline(always)]
     pub(crate) fn any<S: Simd>(
         &self,

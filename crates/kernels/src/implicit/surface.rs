@@ -1,5 +1,6 @@
 //! Surfaces given by a formula, `f(x, y, z) = 0`: no root is missed, and there is nothing to tune.
 
+use super::conjugate::conjugate;
 use super::octree::{Octree, Run};
 use super::poly_ray::Polynomial;
 use super::root::{Budget, each_root, newton_between, polish_in};
@@ -72,6 +73,23 @@ enum Method {
     Cells(Octree),
 }
 
+impl Method {
+    /// The fastest one for a function.
+    fn of(tape: &Tape, cell: Cell, value_error: f64, scratch: &mut Scratch) -> Self {
+        let polynomial = match tape.degree() {
+            Some(degree) => Polynomial::new(Some(degree), value_error),
+            None => conjugate(tape, &cell, scratch).and_then(|conjugate| {
+                let error = self::value_error(&conjugate.product, &cell, scratch);
+                Polynomial::with_conjugate(conjugate, error)
+            }),
+        };
+        match polynomial {
+            Some(polynomial) => Self::Polynomial(Box::new(polynomial)),
+            None => Self::Cells(Octree::build(tape, cell)),
+        }
+    }
+}
+
 thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
@@ -105,10 +123,7 @@ impl ImplicitSurface {
             Shrunk::Undefined => return Err(ImplicitError::Undefined),
         };
         let value_error = value_error(&tape, &cell, &mut scratch);
-        let method = match Polynomial::new(tape.degree(), value_error) {
-            Some(polynomial) => Method::Polynomial(Box::new(polynomial)),
-            None => Method::Cells(Octree::build(&tape, cell)),
-        };
+        let method = Method::of(&tape, cell, value_error, &mut scratch);
         let (center, half) = (0.5 * (cell.min + cell.max), 0.5 * (cell.max - cell.min));
         Ok(Self {
             bounds: Aabb::from_reach(center, half),

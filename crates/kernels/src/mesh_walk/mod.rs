@@ -1,4 +1,7 @@
 //! How rays walk a mesh: sixteen at a time are made ready, those that keep together go as a packet, the others one by one.
+//!
+//! Source: Benthin, Wald, Woop, Ernst & Mark, "Combining Single and Packet-Ray Tracing for Arbitrary Ray Distributions on the Intel MIC
+//! Architecture", TVCG 18(9), 2012 (both on one tree).
 
 mod packet;
 mod single;

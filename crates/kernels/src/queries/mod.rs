@@ -56,7 +56,7 @@ pub enum Body<'a> {
 
 /// How it was decided which points are inside.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
+pub enum ContainmentMethod {
     /// By what a ray from the point crosses: closed meshes.
     Crossings,
     /// By the winding number, more than ½ in amount: meshes with holes or loose ends.
@@ -75,7 +75,7 @@ pub struct Containment {
     /// Point by point.
     pub inside: Vec<bool>,
     /// How it was decided.
-    pub method: Method,
+    pub method: ContainmentMethod,
 }
 
 impl<'a> From<&'a TriangleMesh> for Body<'a> {
@@ -207,13 +207,13 @@ impl Body<'_> {
     }
 
     /// How [`Body::contains`] decides.
-    pub fn method(&self) -> Method {
+    pub fn method(&self) -> ContainmentMethod {
         match self {
-            Self::Mesh(mesh) if mesh.is_closed() => Method::Crossings,
-            Self::Mesh(_) => Method::WindingNumber,
-            Self::Surface(Surface::Plane(_)) => Method::HalfSpace,
-            Self::Surface(Surface::Disk(_) | Surface::Rectangle(_)) => Method::Open,
-            Self::Surface(_) => Method::Formula,
+            Self::Mesh(mesh) if mesh.is_closed() => ContainmentMethod::Crossings,
+            Self::Mesh(_) => ContainmentMethod::WindingNumber,
+            Self::Surface(Surface::Plane(_)) => ContainmentMethod::HalfSpace,
+            Self::Surface(Surface::Disk(_) | Surface::Rectangle(_)) => ContainmentMethod::Open,
+            Self::Surface(_) => ContainmentMethod::Formula,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A mesh that can be asked where rays cross it and what is inside it.
 
 use super::winding::WindingTree;
-use crate::{BuildQuality, MeshBvh, Triangle, VectorUnit};
+use crate::{BuildQuality, MeshBvh, Triangle, VectorUnit, mix_bits};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -106,7 +106,7 @@ fn half_edge(from: [u32; 3], to: [u32; 3]) -> u128 {
     let words = [[low[0], low[1]], [low[2], high[0]], [high[1], high[2]]];
     let half = |seed: u64| {
         words.iter().fold(seed, |hash, [a, b]| {
-            mix(hash ^ (u64::from(*a) << 32 | u64::from(*b)))
+            mix_bits(hash ^ (u64::from(*a) << 32 | u64::from(*b)))
         })
     };
     let number =
@@ -116,12 +116,4 @@ fn half_edge(from: [u32; 3], to: [u32; 3]) -> u128 {
     } else {
         number.wrapping_neg()
     }
-}
-
-/// SplitMix64. Source: Steele, Lea & Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
-fn mix(z: u64) -> u64 {
-    let z = z.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }

@@ -5,7 +5,11 @@ use super::rays16::{Rays16, Slab16};
 use crate::bvh::{Node, WIDTH};
 use fearless_simd::{Simd, f32x16, mask32x16, prelude::*};
 
-/// Rays with the same signs and longest axis, and bounds of their constants over all of them.
+/// Rays with the same signs and longest axis, and bounds of their constants over all of them: where interval arithmetic says that none meets a box,
+/// none does.
+///
+/// Source: Boulos, Wald & Shirley, "Geometric and Arithmetic Culling Methods for Entire Ray Packets", University of Utah UUCS-06-010, 2006;
+/// Wald, Boulos & Shirley, "Ray Tracing Deformable Scenes Using Dynamic Bounding Volume Hierarchies", ACM TOG 26(1), 2007.
 pub(crate) struct PacketBoxes<'a, S: Simd> {
     simd: S,
     rays: &'a Rays16<S>,

@@ -3,7 +3,9 @@
 use crate::random::Random;
 use crate::shapes::{Shape, blob, cube, sphere, torus};
 use umbriel_kernels::glam::{DVec3, Vec3};
-use umbriel_kernels::{Body, BuildQuality, Crossings, Method, Ray, TriangleMesh, VectorUnit, Way};
+use umbriel_kernels::{
+    Body, BuildQuality, ContainmentMethod, Crossings, Ray, TriangleMesh, VectorUnit, Way,
+};
 
 /// Rays from outside aimed at corners, at points of edges and at points of triangles, some along an axis.
 fn aimed_rays(shape: &Shape, n: usize, random: &mut Random) -> Vec<Ray> {
@@ -152,7 +154,7 @@ fn the_inside_is_that_of_the_closed_forms() {
     let mut random = Random(3);
     let n = 100_000;
     let mesh = sphere(64).build(BuildQuality::Fast);
-    assert_eq!(Body::from(&mesh).method(), Method::Crossings);
+    assert_eq!(Body::from(&mesh).method(), ContainmentMethod::Crossings);
     let cloud = points(&mut random, n, DVec3::splat(1.2));
     assert_inside(&mesh, &cloud, 1e-3, |p| p.length() - 1.0);
 

@@ -4,7 +4,7 @@ use crate::random::Random;
 use crate::shapes::{blob, cube, sphere};
 use umbriel_kernels::glam::{DVec3, Vec3};
 use umbriel_kernels::{
-    Body, BuildQuality, Containment, Method, Triangle, TriangleMesh, solid_angle,
+    Body, BuildQuality, Containment, ContainmentMethod, Triangle, TriangleMesh, solid_angle,
 };
 
 fn ask(mesh: &TriangleMesh, points: &[Vec3]) -> Containment {
@@ -21,7 +21,7 @@ fn a_hemisphere_holds_what_its_opening_closes() {
         .map(|_| (1.2 * random.point()).as_vec3())
         .collect();
     let found = ask(&bowl, &points);
-    assert_eq!(found.method, Method::WindingNumber);
+    assert_eq!(found.method, ContainmentMethod::WindingNumber);
     for (p, inside) in points.iter().zip(found.inside) {
         let p = p.as_dvec3();
         // A little off the opening the disk fills less than half of the view.
@@ -94,7 +94,7 @@ fn both_methods_agree_on_a_closed_mesh() {
         .map(|_| (1.5 * random.point()).as_vec3())
         .collect();
     let by_crossings = Body::from(&closed).contains(&points);
-    assert_eq!(by_crossings.method, Method::Crossings);
+    assert_eq!(by_crossings.method, ContainmentMethod::Crossings);
     let by_number = ask(&loose.build(BuildQuality::Fast), &points);
     assert_eq!(by_crossings.inside, by_number.inside);
 }

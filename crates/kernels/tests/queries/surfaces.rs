@@ -4,8 +4,8 @@ use crate::random::Random;
 use crate::shapes::{cube, sphere, torus};
 use umbriel_kernels::glam::Vec3;
 use umbriel_kernels::{
-    Body, BuildQuality, Cone, Cuboid, Cylinder, Disk, Method, Plane, Ray, Rectangle, Sphere,
-    Surface, Torus, Way, surface_contains,
+    Body, BuildQuality, Cone, ContainmentMethod, Cuboid, Cylinder, Disk, Plane, Ray, Rectangle,
+    Sphere, Surface, Torus, Way, surface_contains,
 };
 
 fn solids() -> [Surface; 6] {
@@ -46,7 +46,7 @@ fn enter_and_leave_take_turns_and_outside_rays_come_out() {
     let mut random = Random(21);
     for surface in solids() {
         let body = Body::from(&surface);
-        assert_eq!(body.method(), Method::Formula);
+        assert_eq!(body.method(), ContainmentMethod::Formula);
         let rays: Vec<Ray> = (0..100_000)
             .map(|_| {
                 let o = (random.direction() * random.between(0.0, 8.0)).as_vec3();
@@ -181,14 +181,14 @@ fn open_surfaces_say_so() {
     let down = Ray::new(Vec3::new(0.1, 4.0, 0.2), Vec3::NEG_Y);
     let up = Ray::new(Vec3::new(0.1, -4.0, 0.2), Vec3::Y);
     for (surface, method) in [
-        (floor, Method::HalfSpace),
-        (disk, Method::Open),
-        (sheet, Method::Open),
+        (floor, ContainmentMethod::HalfSpace),
+        (disk, ContainmentMethod::Open),
+        (sheet, ContainmentMethod::Open),
     ] {
         let body = Body::from(&surface);
         let found = body.contains(&points);
         assert_eq!(found.method, method);
-        let behind = method == Method::HalfSpace;
+        let behind = method == ContainmentMethod::HalfSpace;
         assert_eq!(found.inside, [behind, false, false]);
         let all = body.all_hits(&[down, up]);
         let ways: Vec<Way> = all.as_slice().iter().map(|c| c.way).collect();

@@ -1,18 +1,16 @@
 //! Reproducible random numbers for tests that need millions of them.
 
-use umbriel_kernels::glam::DVec3;
+use umbriel_kernels::{glam::DVec3, mix_bits};
 
-/// SplitMix64. Source: Steele, Lea & Flood, "Fast Splittable Pseudorandom Number Generators", OOPSLA 2014.
+/// SplitMix64: [`mix_bits`] of a counter.
 pub(crate) struct Random(pub(crate) u64);
 
 #[allow(dead_code, reason = "each test uses its part")]
 impl Random {
     pub(crate) fn bits(&mut self) -> u64 {
+        let bits = mix_bits(self.0);
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        bits
     }
 
     /// Uniform in `[low, high)`.

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{
     DirectionalLight, Geometry, Instance, Material, MaterialId, PointLight, Scene, SceneBvh,
-    SpotLight, SurfaceId, Unshadowed as AllOfIt,
+    SpotLight, SurfaceId, Unshadowed,
 };
 use umbriel_kernels::{Hit, Sphere, Surface, VectorUnit, glam::Affine3A};
 
@@ -92,14 +92,14 @@ fn light_added_at_once_is_the_same_to_the_bit() {
                     &scene.lights,
                     &surfaces,
                     &seen,
-                    &mut AllOfIt,
+                    &mut Unshadowed,
                     #[inline(always)]
                     |arriving| seen.add(arriving, hits.len(), sums),
                 );
                 later.add(&scene.lights, &surfaces, &seen);
             },
         );
-        later.resolve(&mut AllOfIt, &mut radiance[1]);
+        later.resolve(&mut Unshadowed, &mut radiance[1]);
         assert_eq!(radiance[0], radiance[1], "{unit:?}");
         assert_eq!(now.shadow_rays, later.shadow_rays);
         // Each light reaches some, but not all.

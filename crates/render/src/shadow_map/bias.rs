@@ -4,7 +4,7 @@ use super::{Bias, BiasUnit, LightView};
 use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// Greatest tangent by which [`Bias::SlopeScaled`] multiplies.
-const MOST_SLOPE: f32 = 10.0;
+pub(crate) const MOST_SLOPE: f32 = 10.0;
 /// The tangent, of 89 degrees, up to which [`Bias::Adaptive`] follows planes beyond that.
 const STEEPEST: f32 = 57.3;
 /// What [`Bias::Adaptive`] takes a receiver nearer by, in changes of depth over one texel, which are cut as for [`Bias::SlopeScaled`].
@@ -85,27 +85,16 @@ fn plane_slope(view: &LightView, n: Vec3, q: Vec3) -> Vec2 {
 /// receiver plane  z follows the plane to the texel's centre, b = a w
 /// adaptive        b = a (5/4 min(s, 10 w) + w/20) + ε; z follows what is cut of s to the texel's centre, if that is nearer
 /// ```
-/// Receiver plane and adaptive follow the plane from texel to texel of a filter, too. `ε` bounds what rounding does to depths. One and a quarter
-/// slopes are what scored best against exact rays at every resolution; beyond a tangent of 10 they would be too much on curved
-/// surfaces and, being cut, too little on flat ones, which only the plane itself can tell apart.
+/// Receiver plane and adaptive follow the plane from texel to texel of a filter, too. `ε` bounds what rounding does to depths. How one and a
+/// quarter slopes score is told at [`Bias::Adaptive`]; beyond a tangent of 10 they would be too much on curved surfaces and, being cut, too little on flat
+/// ones, which only the plane itself can tell apart.
 ///
 /// Source: Dou, Yan, Kerzner, Dai & Wyman, "Adaptive Depth Bias for Shadow Maps", JCGT 3(4), 2014 (following the plane to the texel's centre);
 /// Holbert, "Saying Goodbye to Shadow Acne", GDC 2011 (normal offset).
 #[inline(always)]
 pub(crate) fn receiver(view: &LightView, bias: &Bias, p: Vec3, ng: Vec3) -> Receiver {
     let axes = |v: Vec3| Vec3::new(v.dot(view.right), v.dot(view.down), v.dot(view.forward));
-    let mut p = p;
-    if let Bias::NormalOffset { amount, unit } = *bias {
-        let from_light = if view.perspective {
-            (p - view.origin).normalize_or(view.forward)
-        } else {
-            view.forward
-        };
-        let cos = from_light.dot(ng);
-        let width = view.texel_width(view.project(p).z);
-        let sin = (1.0 - cos * cos).max(0.0).sqrt();
-        p += ng * (in_metres(amount, unit, width) * sin);
-    }
+    let p = moved_off(view, bias, p, ng);
     let projected = view.project(p);
     let (z, texel) = (projected.z, view.texel_width(projected.z));
     let plane = plane_slope(view, axes(ng), axes(p - view.origin));
@@ -127,15 +116,7 @@ pub(crate) fn receiver(view: &LightView, bias: &Bias, p: Vec3, ng: Vec3) -> Rece
     let own = projected.at.floor();
     let to_center = own + 0.5 - projected.at;
     let change = plane.x * to_center.x + plane.y * to_center.y;
-    let (to_own_center, plane) = match bias {
-        Bias::ReceiverPlane { .. } => (change, plane),
-        Bias::Adaptive { .. } => {
-            let tan = slope / texel;
-            let cut = ((tan.min(STEEPEST) - MOST_SLOPE) / tan).max(0.0);
-            (cut * change.max(0.0), plane)
-        }
-        _ => (0.0, Vec2::ZERO),
-    };
+    let (to_own_center, plane) = followed(bias, plane, change, slope / texel);
     Receiver {
         at: projected.at,
         z,
@@ -144,6 +125,37 @@ pub(crate) fn receiver(view: &LightView, bias: &Bias, p: Vec3, ng: Vec3) -> Rece
         plane,
         texel,
         bias: b,
+    }
+}
+
+/// The point as [`Bias::NormalOffset`] moves it; for the others where it is.
+#[inline(always)]
+fn moved_off(view: &LightView, bias: &Bias, p: Vec3, ng: Vec3) -> Vec3 {
+    let Bias::NormalOffset { amount, unit } = *bias else {
+        return p;
+    };
+    let from_light = if view.perspective {
+        (p - view.origin).normalize_or(view.forward)
+    } else {
+        view.forward
+    };
+    let cos = from_light.dot(ng);
+    let width = view.texel_width(view.project(p).z);
+    let sin = (1.0 - cos * cos).max(0.0).sqrt();
+    p + ng * (in_metres(amount, unit, width) * sin)
+}
+
+/// What a bias follows of the receiver's plane, whose change to the texel's centre is `change` and whose tangent is `tan`: the change of stored depth to that
+/// centre, and from texel to texel.
+#[inline(always)]
+fn followed(bias: &Bias, plane: Vec2, change: f32, tan: f32) -> (f32, Vec2) {
+    match bias {
+        Bias::ReceiverPlane { .. } => (change, plane),
+        Bias::Adaptive { .. } => {
+            let cut = ((tan.min(STEEPEST) - MOST_SLOPE) / tan).max(0.0);
+            (cut * change.max(0.0), plane)
+        }
+        _ => (0.0, Vec2::ZERO),
     }
 }
 

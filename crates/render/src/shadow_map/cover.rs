@@ -56,6 +56,7 @@ fn outline(view: &LightView, bounds: &Aabb, to_world: &Affine3A) -> Vec<Vec3> {
         return corners.to_vec();
     }
     let is_before = |k: usize| corners[k].z > view.near;
+    // A corner's number has a bit for each axis: edges lead to those that differ in one.
     let before = (0..8).filter(|&k| is_before(k)).map(|k| corners[k]);
     let edges = (0..8).flat_map(|k| [1, 2, 4].map(|bit| (k, k ^ bit)));
     let passing = edges.filter(|&(k, l)| is_before(k) && !is_before(l));

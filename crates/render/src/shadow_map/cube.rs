@@ -1,12 +1,12 @@
 //! The views of point and spot lights: a cube of six faces, or one face.
 
-use super::{LightView, ShadowMapSettings, view::axes};
+use super::{LightView, ShadowMapSettings, fit::widened, view::axes};
 use crate::{Light, SpotLight};
 use umbriel_kernels::glam::{DMat3, DVec3, Vec3};
 
-/// The nearest caster's distance as a share of the furthest one's; what is nearer to the light casts no shadow. Stored depths are as
-/// fine at any share: it must only be so small that a far dome, or a plane given by a far point, takes no near caster away.
-pub(super) const LEAST_DISTANCE: f32 = 1.0 / (1_u64 << 40) as f32;
+/// The nearest distance of which a perspective picture knows, from a light or an eye, as a share of the furthest thing's; what is nearer casts no shadow and
+/// is not seen. Stored depths are as fine at any share: it must only be so small that a far dome, or a plane given by a far point, takes nothing near away.
+pub(crate) const LEAST_DISTANCE: f32 = 1.0 / (1_u64 << 40) as f32;
 /// Spot lights with wider cones (about 63°) have a cube: one face would spend its texels on the rim.
 const WIDEST_FACE: f32 = 1.1;
 
@@ -20,14 +20,13 @@ pub(crate) fn images(light: &Light, settings: &ShadowMapSettings) -> u32 {
 }
 
 /// The views of a spot light whose furthest caster is `reach` away.
-pub(crate) fn spot(light: &SpotLight, reach: f32, side: u32) -> Vec<LightView> {
+pub(crate) fn spot(light: &SpotLight, reach: f32, settings: &ShadowMapSettings) -> Vec<LightView> {
+    let side = settings.resolution.max(1);
     if light.outer_angle > WIDEST_FACE {
         return cube(light.position, reach, side);
     }
     let axes = axes(light.direction.as_dvec3().normalize());
-    // Two texels more, so that filters stay within.
-    let margin = f64::from(side) / (f64::from(side) - 4.0).max(0.5 * f64::from(side));
-    let half = f64::from(light.outer_angle).tan() * margin;
+    let half = widened(f64::from(light.outer_angle).tan(), settings);
     let near = reach * LEAST_DISTANCE;
     vec![LightView::perspective(
         light.position,

@@ -265,7 +265,7 @@ impl Job<'_> {
                 let near = reach * cube::LEAST_DISTANCE;
                 vec![narrow(position, direction, tan, near, settings)]
             }
-            (Light::Spot(light), None) => cube::spot(light, reach, side),
+            (Light::Spot(light), None) => cube::spot(light, reach, settings),
             _ => cube::cube(position, reach, side),
         }
     }

@@ -1,6 +1,6 @@
 //! Point and spot lights far outside of all that casts shadows: one image of it, or parallel light.
 
-use super::{LightView, fit::margin, settings::ShadowMapSettings, view::axes};
+use super::{LightView, fit::widened, settings::ShadowMapSettings, view::axes};
 use umbriel_kernels::{
     Aabb,
     glam::{DVec3, Vec3},
@@ -57,8 +57,7 @@ pub(crate) fn narrow(
     near: f32,
     settings: &ShadowMapSettings,
 ) -> LightView {
-    let side = f64::from(settings.resolution.max(1));
-    let half = tan * side / (side - 2.0 * margin(settings)).max(0.5 * side);
+    let half = widened(tan, settings);
     LightView::perspective(
         position,
         &axes(direction),

@@ -18,6 +18,15 @@ const LOGARITHMIC: f64 = 0.75;
 const LEAST_NEAR: f64 = 1e-3;
 /// Planes are shown, and shadows on them, up to this many sizes of the scene away.
 const MOST_STRETCH: f64 = 64.0;
+/// What is seen of planes, where nothing else is, counts up to this many times the nearest distance: at the horizon a pixel is as wide as
+/// the whole rest, and beyond the map the planes themselves are asked.
+const MOST_SEEN: f32 = 16.0;
+/// A window is at least this share of all casters wide: the slice of a cascade may be a point.
+const LEAST_WINDOW: f64 = 1e-4;
+/// Least width of a window in metres, where all casters are one point: its texels are still numbers of f32.
+const LEAST_WIDTH: f64 = 1e-30;
+/// Depths reach on by this share before the first and behind the last caster, so that rounding takes none away.
+const DEPTH_PAD: f64 = 1e-3;
 /// A map's width grows in steps of this factor, `2^(1/8)`, so that it seldom changes when the camera moves.
 const STEP: f64 = 1.090_507_732_665_257_7;
 
@@ -113,13 +122,11 @@ fn view(
     let side = f64::from(settings.resolution.max(1));
     let size = (window.max - window.min).truncate();
     let all = (casters.max - casters.min).truncate().max_element();
-    // A point has a size, too.
-    let least = (all * 1e-4).max(f64::MIN_POSITIVE.max(1e-30));
+    let least = (all * LEAST_WINDOW).max(LEAST_WIDTH);
     let steps = (size.max_element().max(least).ln() / STEP.ln()).ceil();
     // All of the casters at once need no steps.
     let width = STEP.powf(steps).min(all.max(least));
-    // The filter's taps, the snap to a texel, and the rounding of the window's own edge.
-    let half = 0.5 * width * side / (side - 2.0 * margin(settings)).max(0.5 * side);
+    let half = widened(0.5 * width, settings);
     let texel = 2.0 * half / side;
     let middle = 0.5 * (window.min + window.max).truncate();
     let snapped = (middle / texel).round() * texel;
@@ -133,9 +140,15 @@ fn view(
     )
 }
 
-/// Texels that the map is wider on each side than what it must show.
-pub(super) fn margin(settings: &ShadowMapSettings) -> f64 {
-    f64::from(settings.filter.reach()) + 2.0
+/// Half of the width of a map in which `half` is shown and around it what the filter asks for there, and two texels: one for the snap to whole texels, one
+/// for the rounding of the window's own edge.
+///
+/// What is to be shown has at least half of the map. A filter that reaches over more than a quarter of it counts what lies beyond the rim as
+/// lit: fewer texels for all else would cost more.
+pub(super) fn widened(half: f64, settings: &ShadowMapSettings) -> f64 {
+    let side = f64::from(settings.resolution.max(1));
+    let margin = f64::from(settings.filter.reach()) + 2.0;
+    half * side / (side - 2.0 * margin).max(0.5 * side)
 }
 
 /// The first and the last depth: of the casters, and of the planes within the window as far as they are not too far away.
@@ -152,7 +165,7 @@ fn depths(axes: &DMat3, casters: &Bounds, extent: &Extent, middle: DVec2, half: 
             }
         }
     }
-    let pad = 1e-3 * (far - near + half);
+    let pad = DEPTH_PAD * (far - near + half);
     (near - pad, far + pad)
 }
 
@@ -172,7 +185,8 @@ fn with_shadows(casters: &Aabb, extent: &Extent, direction: DVec3) -> Aabb {
     bounds
 }
 
-/// Where nothing is finite: a box around what is seen of the planes, not much further than the nearest of it.
+/// Where nothing is finite: a box around what is seen of the planes, not further than [`MOST_SEEN`] times the nearest of it. Found by rays through a
+/// grid of the picture's points.
 fn seen_of_planes(extent: &Extent, camera: &Camera, resolution: [u32; 2]) -> Aabb {
     const GRID: u32 = 16;
     let frame = camera.frame(resolution);
@@ -190,7 +204,7 @@ fn seen_of_planes(extent: &Extent, camera: &Camera, resolution: [u32; 2]) -> Aab
     let least = seen.iter().map(|s| s.1).fold(f32::INFINITY, f32::min);
     let close = seen
         .iter()
-        .filter(|s| s.1 <= 16.0 * least && s.1.is_finite());
+        .filter(|s| s.1 <= MOST_SEEN * least && s.1.is_finite());
     Aabb::from_points(close.map(|(ray, t)| ray.at(*t)))
 }
 

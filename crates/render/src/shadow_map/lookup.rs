@@ -35,20 +35,21 @@ impl ShadowMap {
     /// 1. The face is the first that holds the filter around the point (the one that the direction meets, for a cube).
     /// 2. The point becomes a receiver: texel coordinates, depth, bias.
     /// 3. The filter makes one fraction of the comparisons.
+    /// 4. Near the rim of a cascade the next one is asked, too, and the answer goes over to its.
     ///
     /// Points that no face holds are lit, unless an infinite plane stands between them and a directional or a far light.
     ///
     /// Source: Williams, "Casting Curved Shadows on Curved Surfaces", SIGGRAPH 1978.
     pub fn fraction(&self, p: Vec3, ng: Vec3) -> f32 {
-        match self.find(p, ng) {
-            Some((face, receiver)) => self.filter(face, &receiver),
+        match self.find(0, p, ng) {
+            Some((face, receiver)) => self.blend(face, &receiver, p, ng),
             None => self.beyond(p),
         }
     }
 
     /// [`ShadowMap::fraction`] with its reasons; `None` for points that no face holds.
     pub fn lookup(&self, p: Vec3, ng: Vec3) -> Option<ShadowComparison> {
-        let (face, receiver) = self.find(p, ng)?;
+        let (face, receiver) = self.find(0, p, ng)?;
         let taps = self.taps(face, &receiver);
         let [x, y] = taps.texel_at(Vec2::ZERO);
         Some(ShadowComparison {
@@ -58,12 +59,12 @@ impl ShadowMap {
             depth: receiver.z,
             bias: receiver.bias,
             texel: receiver.texel,
-            fraction: self.filter(face, &receiver),
+            fraction: self.blend(face, &receiver, p, ng),
         })
     }
 
-    /// The face that holds a point, and the point as it sees it.
-    pub(super) fn find(&self, p: Vec3, ng: Vec3) -> Option<(usize, Receiver)> {
+    /// The first face from `first` on that holds a point, and the point as it sees it.
+    fn find(&self, first: usize, p: Vec3, ng: Vec3) -> Option<(usize, Receiver)> {
         let on = |face: usize| receiver(&self.faces[face].view, &self.settings.bias, p, ng);
         if self.cube {
             let face = face_of(p - self.faces[0].view.origin);
@@ -77,9 +78,44 @@ impl ShadowMap {
             let reach = if face == last { 0.0 } else { reach };
             map.holds(receiver, reach) && (receiver.z > 0.0 || !map.view.perspective)
         };
-        (0..=last)
+        (first..=last)
             .map(|face| (face, on(face)))
             .find(|(face, receiver)| holds(*face, receiver))
+    }
+
+    /// What the filter says on a face, and in the [zone](Self::zone) before the rim of a cascade more and more what it says on the next one that holds the
+    /// point. A penumbra of so many texels is wider there: at a sharp seam its edges would jump.
+    fn blend(&self, face: usize, receiver: &Receiver, p: Vec3, ng: Vec3) -> f32 {
+        let own = self.filter(face, receiver);
+        let (reach, zone) = (self.settings.filter.reach(), self.zone(face));
+        let map = &self.faces[face];
+        if zone == 0.0 || map.holds(receiver, reach + zone) {
+            return own;
+        }
+        let side = map.view.side as f32;
+        let to_rim = receiver
+            .at
+            .min_element()
+            .min(side - receiver.at.max_element());
+        let share = ((to_rim - reach) / zone).clamp(0.0, 1.0);
+        match self.find(face + 1, p, ng) {
+            Some((next, seen)) => {
+                let other = self.blend(next, &seen, p, ng);
+                other + share * (own - other)
+            }
+            None => own,
+        }
+    }
+
+    /// Width in texels of the zone, inside of what the filter needs, in which a cascade's answers go over to the next one's: eight of the filter's reaches, but at
+    /// most an eighth of the map. 0 on the last cascade, on images of other lights, and for single comparisons, whose edges are as sharp on either
+    /// side: a blend would lay one staircase over the other.
+    pub(super) fn zone(&self, face: usize) -> f32 {
+        let has_next = !self.cube && face + 1 < self.faces.len();
+        if !has_next {
+            return 0.0;
+        }
+        (8.0 * self.settings.filter.reach()).min(0.125 * self.faces[face].view.side as f32)
     }
 
     fn taps<'a>(&'a self, face: usize, receiver: &'a Receiver) -> Taps<'a> {

@@ -26,7 +26,7 @@ struct ReceiverLanes {
     follows: bool,
     /// The first texel of the filter's square around the receiver's own, or of any square where the face does not hold it.
     first: [u32; LANES],
-    /// 1 where the face holds the receiver with the filter, otherwise 0.
+    /// 1 where the face holds the receiver with the filter and alone, otherwise 0.
     held: Lanes,
 }
 
@@ -61,7 +61,11 @@ impl VisibilityLanes for MapVisibility<'_> {
         let lanes = surfaces.len.min(LANES);
         let receivers = &mut *self.receivers;
         if let Some((face, reach)) = map.square() {
-            receivers.fill(face, &map.settings.bias, reach, surfaces);
+            let square = Square {
+                reach,
+                zone: map.zone(0),
+            };
+            receivers.fill(face, &map.settings.bias, square, surfaces);
             receivers.lit_share(self.unit, face, reach, surfaces.len, fractions);
         } else {
             receivers.held.fill(0.0);
@@ -91,10 +95,17 @@ impl ShadowMap {
     }
 }
 
+/// How far a filter reaches around a receiver, and the width of the zone within a face's rim in which others are asked, too; in texels.
+#[derive(Clone, Copy, Debug)]
+struct Square {
+    reach: u32,
+    zone: f32,
+}
+
 impl ReceiverLanes {
     /// Projects the surfaces' points; loops of their own for both kinds of views and the usual biases.
     #[inline(always)]
-    fn fill(&mut self, face: &DepthMap, bias: &Bias, reach: u32, surfaces: &SurfaceLanes) {
+    fn fill(&mut self, face: &DepthMap, bias: &Bias, square: Square, surfaces: &SurfaceLanes) {
         self.follows = matches!(bias, Bias::ReceiverPlane { .. } | Bias::Adaptive { .. });
         let view = &face.view;
         let parallel = LightView {
@@ -107,27 +118,34 @@ impl ReceiverLanes {
         };
         match (view.perspective, *bias) {
             (false, Bias::Adaptive { amount }) => {
-                self.fill_each(&parallel, &Bias::Adaptive { amount }, reach, surfaces);
+                self.fill_each(&parallel, &Bias::Adaptive { amount }, square, surfaces);
             }
             (true, Bias::Adaptive { amount }) => {
-                self.fill_each(&through_light, &Bias::Adaptive { amount }, reach, surfaces);
+                self.fill_each(&through_light, &Bias::Adaptive { amount }, square, surfaces);
             }
             (false, Bias::SlopeScaled { amount, unit }) => {
                 let bias = Bias::SlopeScaled { amount, unit };
-                self.fill_each(&parallel, &bias, reach, surfaces);
+                self.fill_each(&parallel, &bias, square, surfaces);
             }
             (true, Bias::SlopeScaled { amount, unit }) => {
                 let bias = Bias::SlopeScaled { amount, unit };
-                self.fill_each(&through_light, &bias, reach, surfaces);
+                self.fill_each(&through_light, &bias, square, surfaces);
             }
-            _ => self.fill_each(view, bias, reach, surfaces),
+            _ => self.fill_each(view, bias, square, surfaces),
         }
     }
 
     #[inline(always)]
-    fn fill_each(&mut self, view: &LightView, bias: &Bias, reach: u32, surfaces: &SurfaceLanes) {
-        let last = (view.side - 1 - reach) as f32;
-        let reach = reach as f32;
+    fn fill_each(
+        &mut self,
+        view: &LightView,
+        bias: &Bias,
+        square: Square,
+        surfaces: &SurfaceLanes,
+    ) {
+        let last = (view.side - 1 - square.reach) as f32;
+        let reach = square.reach as f32;
+        let rim = reach + square.zone;
         let side = view.side as f32;
         for i in 0..whole_vectors(surfaces.len) {
             let surface = surfaces.get(i);
@@ -142,8 +160,8 @@ impl ReceiverLanes {
             // In front of the light and in the map; NaN is not.
             let held = (receiver.z > 0.0)
                 & (receiver.z < f32::INFINITY)
-                & (least >= reach)
-                & (most < side - reach);
+                & (least >= rim)
+                & (most < side - rim);
             self.held[i] = if held { 1.0 } else { 0.0 };
         }
     }

@@ -18,7 +18,9 @@ mod taps;
 mod text;
 mod view;
 
+pub(crate) use bias::MOST_SLOPE;
 pub(crate) use cover::covered;
+pub(crate) use cube::LEAST_DISTANCE;
 pub use depth_map::DepthMap;
 pub use draw::{ShadowMap, ShadowMaps};
 pub(crate) use extent::Extent;

@@ -79,9 +79,18 @@ pub enum Bias {
         /// Unit of `amount`.
         unit: BiasUnit,
     },
-    /// Slope-scaled by one and a quarter texels, which scores best against exact rays at every resolution, and beyond the tangent of 10, where that
-    /// is cut, the receiver's plane is followed; it is also followed from texel to texel of a filter. The default: right without setting
-    /// it. Leaves acne at grazing light on what is curved within a texel, and up to two texels of light behind a contact.
+    /// Slope-scaled by one and a quarter texels, and beyond the tangent of 10, where that is cut, the receiver's plane is followed; it is also
+    /// followed from texel to texel of a filter. The default: right without setting it. Leaves acne at grazing light on what is curved within a
+    /// texel, and up to two texels of light behind a contact.
+    ///
+    /// Wrong pixels against exact rays in a scene of 100,000 triangles at 1280x720 (`tests/shadow_map_truth.rs`), in percent of those that face the
+    /// light:
+    /// ```text
+    /// texels a side         512     1024    2048    4096
+    /// adaptive              0.834   0.403   0.224   0.118
+    /// slope-scaled:1.5      0.842   0.395   0.226   0.140
+    /// none                  42.0 to 42.2
+    /// ```
     ///
     /// Source of following the plane: Dou, Yan, Kerzner, Dai & Wyman, "Adaptive Depth Bias for Shadow Maps", JCGT 3(4), 2014.
     Adaptive {
@@ -174,6 +183,10 @@ pub enum ShadowFilter {
     },
 }
 
+/// [`ShadowFilter::reach`] of PCSS in texels, whose width is known only when blockers are found: narrow penumbras stay within it, and no map is coarser by
+/// more than 20 texels. At a map's rim the taps of wider ones count what lies beyond as lit.
+const PCSS_REACH: f32 = 8.0;
+
 impl ShadowFilter {
     /// How many texels around the receiver's the filter asks, where that does not depend on what it finds.
     pub(crate) fn reach(&self) -> f32 {
@@ -182,7 +195,7 @@ impl ShadowFilter {
             Self::Pcf { side } => (side / 2) as f32,
             Self::Bilinear { side } => 0.5 * side as f32 + 1.0,
             Self::Poisson { radius, .. } | Self::Vogel { radius, .. } => radius,
-            Self::Pcss { .. } => 8.0,
+            Self::Pcss { .. } => PCSS_REACH,
             Self::Vsm { radius } | Self::Evsm { radius } | Self::Msm { radius } => {
                 radius as f32 + 1.0
             }

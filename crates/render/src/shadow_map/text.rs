@@ -19,9 +19,10 @@ impl Display for ShadowTextError {
 impl std::error::Error for ShadowTextError {}
 
 const BIASES: &str = "none, constant:AMOUNT, slope-scaled:AMOUNT, normal-offset:AMOUNT, \
-                      receiver-plane:AMOUNT or adaptive (AMOUNT in texels, or in metres as in 0.02m)";
+                      receiver-plane:AMOUNT or adaptive (AMOUNT from 0 to 1000000, in texels, or in metres as in 0.02m)";
 const FILTERS: &str = "hard, pcf:SIDE, bilinear:SIDE, poisson:TAPS:RADIUS, vogel:TAPS:RADIUS, pcss:TAPS, \
-                       vsm:RADIUS, evsm:RADIUS or msm:RADIUS (RADIUS in texels)";
+                       vsm:RADIUS, evsm:RADIUS or msm:RADIUS (SIDE from 1 to 31, odd for pcf; TAPS from 1 to 64, of pcss \
+                       to 256; RADIUS in texels from 0 to 1024, of vsm, evsm and msm whole and to 64)";
 /// Greatest amount of a bias and radius of a filter.
 const MOST: f32 = 1e6;
 

@@ -5,11 +5,10 @@ use super::{
     light_pictures::as_linear,
     seen::{Seen, see},
 };
-use crate::{Image, ShadowComparison};
+use crate::{Image, ShadowComparison, color::LUMINANCE, shadow_map::MOST_SLOPE};
 use rayon::prelude::*;
+use umbriel_kernels::glam::Vec3;
 
-/// Greatest tangent that a match allows for.
-const MOST_SLOPE: f32 = 10.0;
 const MATCH: [f32; 3] = [0.02, 0.65, 0.05];
 const SKY: [f32; 4] = [0.05, 0.05, 0.05, 1.0];
 
@@ -30,7 +29,7 @@ pub(super) fn compare(context: &ShowContext, ground: &Image) -> Shown {
             return [r, g, b, a];
         }
         // The ground stays readable under the green.
-        let light = 0.35 + 0.65 * (0.2126 * r + 0.7152 * g + 0.0722 * b);
+        let light = 0.35 + 0.65 * Vec3::new(r, g, b).dot(LUMINANCE);
         let [mr, mg, mb] = MATCH;
         [mr * light, mg * light, mb * light, a]
     };
@@ -48,7 +47,7 @@ pub(super) fn compare(context: &ShowContext, ground: &Image) -> Shown {
     }
 }
 
-/// Whether the map's depth is the point's: one texel's width, and what the slope makes of it.
+/// Whether the map's depth is the point's: one texel's width, and what the slope makes of it, which is cut as for [`Bias::SlopeScaled`](crate::Bias).
 fn is_match(point: &Seen, found: &ShadowComparison) -> bool {
     let cos = point.cos.abs().max(f32::MIN_POSITIVE);
     let slope = ((1.0 - cos * cos).max(0.0).sqrt() / cos).min(MOST_SLOPE);

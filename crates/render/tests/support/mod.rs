@@ -11,6 +11,7 @@ use umbriel_render::{
     kernels::{
         Plane, Surface,
         glam::{Affine3A, Vec3},
+        mix_bits,
     },
     render,
 };
@@ -65,15 +66,14 @@ pub(crate) fn look(scene: &Scene, camera: &Camera, settings: &Settings) -> Vec3 
     Vec3::new(r, g, b)
 }
 
-/// A small generator for tests: SplitMix64.
+/// A small generator for tests: SplitMix64, [`mix_bits`] of a counter.
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
     pub(crate) fn bits(&mut self) -> u64 {
+        let bits = mix_bits(self.0);
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let x = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        x ^ (x >> 31)
+        bits
     }
 
     /// In `[0, 1)`.

@@ -70,4 +70,25 @@ mod tests {
             assert!((mean - 0.5).abs() < 0.06, "{mean}");
         }
     }
+
+    /// Points keep their distance, and nothing of the disk is far from all of them: in the unit `1/√n`, in which the hexagonal grid's points are 1.9 apart and
+    /// at most 1.1 from the next, they are 1.5 to 1.8 apart here, and at most 1.5 to 1.9 from the next, at the rim.
+    #[test]
+    fn disks_leave_no_clumps_and_no_gaps() {
+        for taps in [8, 16, 32, 64] {
+            let unit = 1.0 / (taps as f32).sqrt();
+            for (name, disk) in [("vogel", vogel_disk(taps)), ("poisson", poisson_disk(taps))] {
+                let nearest = |p: Vec2, from: &[Vec2]| {
+                    let distances = from.iter().map(|q| p.distance(*q));
+                    distances.fold(f32::INFINITY, f32::min)
+                };
+                let apart = (1..disk.len()).map(|i| nearest(disk[i], &disk[..i]));
+                let least = apart.fold(f32::INFINITY, f32::min) / unit;
+                let gaps = vogel_disk(4096).into_iter().map(|p| nearest(p, &disk));
+                let most = gaps.fold(0.0, f32::max) / unit;
+                assert!(least > 1.4, "{name} {taps}: {least}");
+                assert!(most < 1.95, "{name} {taps}: {most}");
+            }
+        }
+    }
 }
