@@ -3,6 +3,7 @@
 use crate::instances::{Filter, Inner, InstanceBvh, Placed, Shape};
 use crate::mesh_walk::{Keep, lanes_of};
 use crate::simd::RAYS;
+use crate::surface::meets_surface;
 use crate::{Hit, MeshBvh, MeshHit, Ray, Surface, Walk, intersect_surface};
 use fearless_simd::Simd;
 
@@ -121,7 +122,11 @@ fn closest_on_surface(
 fn any_on_surface(placed: &Placed, surface: &Surface, k: u32, here: u32, shadows: &mut Shadows) {
     for i in lanes_of(here) {
         let ray = placed.object_ray(&shadows.rays[i]);
-        let met = first_on_surface(placed, surface, k, &ray, shadows.filter).is_some();
+        let met = if placed.filtered {
+            first_on_surface(placed, surface, k, &ray, shadows.filter).is_some()
+        } else {
+            meets_surface(&ray, surface)
+        };
         shadows.met |= u32::from(met) << i;
     }
 }

@@ -96,3 +96,12 @@ pub fn intersect_surface(ray: &Ray, surface: &Surface) -> Option<SurfaceHit> {
         Surface::Implicit(s) => intersect_implicit(ray, s).map(whole),
     }
 }
+
+/// Whether a ray meets a surface in its interval, as [`intersect_surface`] says.
+#[inline]
+pub(crate) fn meets_surface(ray: &Ray, surface: &Surface) -> bool {
+    match surface {
+        Surface::Implicit(s) => s.is_met(ray),
+        _ => intersect_surface(ray, surface).is_some(),
+    }
+}

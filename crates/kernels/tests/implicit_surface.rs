@@ -344,3 +344,44 @@ fn work_is_bounded() {
         assert!(point.n.is_finite() && point.tangent.is_finite());
     }
 }
+
+/// The lower half of a double cone is a root of the conjugate only, and their common tip one of both.
+#[test]
+fn conjugates_add_no_roots() {
+    let formula = Formula::parse("y = sqrt(x^2 + z^2)", &[]).expect("a formula");
+    let cone = ImplicitSurface::new(formula, cube(2.0)).expect("a surface");
+    assert_eq!(cone.memory(), 0, "solved as a polynomial");
+    for i in -60..=60_i16 {
+        let y = f32::from(i) * 0.03;
+        let ray = Ray::new(Vec3::new(-5.0, y, 0.0), Vec3::X);
+        let hit = intersect_implicit(&ray, &cone);
+        if i < 0 {
+            assert_eq!(hit, None, "at y = {y}");
+        } else {
+            let t = hit.expect("the cone is there");
+            assert!((t - (5.0 - y)).abs() < 1e-5, "{t} at y = {y}");
+        }
+    }
+}
+
+/// The tree of cells takes as much, and gives the same hits, however many threads built it.
+#[test]
+fn cells_do_not_depend_on_threads() {
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let formula = "sin(5*x)*cos(5*y) + sin(5*y)*cos(5*z) + sin(5*z)*cos(5*x)";
+        let surface = pool
+            .expect("threads can be started")
+            .install(|| built(formula, cube(1.0)).expect("a surface"));
+        let hit = |i: i16| {
+            let y = f32::from(i) * 0.013;
+            let ray = Ray::new(Vec3::new(-3.0, y, 0.3 * y), Vec3::new(1.0, 0.1, 0.2));
+            intersect_implicit(&ray, &surface).map(f32::to_bits)
+        };
+        (surface.memory(), (-70..70).map(hit).collect::<Vec<_>>())
+    };
+    let one = with(1);
+    for threads in [2, 3, 8] {
+        assert!(with(threads) == one, "differs with {threads} threads");
+    }
+}

@@ -4,6 +4,7 @@ mod bernstein;
 mod bodies;
 mod bounds;
 mod call;
+mod conjugate;
 mod formula;
 mod functions;
 mod graph;

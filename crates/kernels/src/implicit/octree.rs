@@ -47,8 +47,8 @@ pub(super) struct Leaf {
 pub(super) enum Run {
     /// It has no root.
     NoRoot,
-    /// It grows all the way or falls all the way; the signs at the ends, 0 where they are not known.
-    Monotone(f64, f64),
+    /// It grows all the way or falls all the way; its bounds at the ends.
+    Monotone(Interval64, Interval64),
     /// Anything.
     Unknown,
 }
@@ -67,16 +67,7 @@ impl Leaf {
         if !(slope.lo > 0.0 || slope.hi < 0.0) {
             return Run::Unknown;
         }
-        let sign = |f: Interval64| {
-            if f.lo > 0.0 {
-                1.0
-            } else if f.hi < 0.0 {
-                -1.0
-            } else {
-                0.0
-            }
-        };
-        Run::Monotone(sign(a), sign(b))
+        Run::Monotone(a, b)
     }
 
     #[inline]

@@ -13,7 +13,7 @@ impl Growth {
     /// Levels below the whole; no cell is smaller than 2⁻¹⁰ of it.
     pub(super) const MOST_LEVELS: u32 = 10;
     /// No level is begun that would divide more cells than this.
-    const MOST_DIVIDED: usize = 2_000;
+    const MOST_DIVIDED: usize = 50_000;
     /// Nor one after the tree takes this many bytes. What the last level adds is at most eight leaves and tapes for each divided cell.
     const MOST_BYTES: usize = 32 << 20;
     /// Tapes are worth their memory if they leave out a quarter.

@@ -154,6 +154,35 @@ fn cut(
     [part(after, piece.hi), part(piece.lo, before)]
 }
 
+/// The root of a monotone function well within a piece, whose values at the ends are enclosed: by Newton's method from where the chord is zero.
+/// `None` where it leaves the piece, or is not done after a few steps.
+///
+/// The step before the last bounds what the last leaves: errors are squared from step to step, in parts of the piece, as its derivative
+/// changes by less than itself in it.
+pub(super) fn newton_between(
+    mut at: impl FnMut(f64) -> (f64, f64),
+    t: Interval64,
+    ends: (Interval64, Interval64),
+) -> Option<f64> {
+    /// Of the piece: its square, of a cell, is beneath the rounding of the whole.
+    const LAST_STEP: f64 = 1e-6;
+    let (a, b) = (ends.0.lo + ends.0.hi, ends.1.lo + ends.1.hi);
+    let width = t.hi - t.lo;
+    let mut x = t.lo + width * (a / (a - b));
+    for _ in 0..4 {
+        if !(t.lo < x && x < t.hi) {
+            return None;
+        }
+        let (f, slope) = at(x);
+        let step = f / slope;
+        x -= step;
+        if step.abs() < LAST_STEP * width {
+            return (t.lo < x && x < t.hi).then_some(x);
+        }
+    }
+    None
+}
+
 /// The root of a monotone function between two parameters: Newton's method, by bisection wherever its step leaves the bracket or
 /// does not halve the last one. Without a change of sign the end where `f` is smaller.
 ///

@@ -1,12 +1,13 @@
 //! Surfaces given by a formula, `f(x, y, z) = 0`: no root is missed, and there is nothing to tune.
 
+use super::conjugate::conjugate;
 use super::octree::{Octree, Run};
 use super::poly_ray::Polynomial;
-use super::root::{Budget, each_root, polish_in};
+use super::root::{Budget, each_root, newton_between, polish_in};
 use super::surface_bounds::{Cell, Shrunk, holding_cube, shrink};
 use super::surface_line::{Segment, TapeLine};
 use super::{Formula, Interval64, Scratch, Tape};
-use crate::{Aabb, Ray, SurfaceHit};
+use crate::{Aabb, Interval, Ray, SurfaceHit};
 use glam::{DVec3, Vec3};
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -72,6 +73,23 @@ enum Method {
     Cells(Octree),
 }
 
+impl Method {
+    /// The fastest one for a function.
+    fn of(tape: &Tape, cell: Cell, value_error: f64, scratch: &mut Scratch) -> Self {
+        let polynomial = match tape.degree() {
+            Some(degree) => Polynomial::new(Some(degree), value_error),
+            None => conjugate(tape, &cell, scratch).and_then(|conjugate| {
+                let error = self::value_error(&conjugate.product, &cell, scratch);
+                Polynomial::with_conjugate(conjugate, error)
+            }),
+        };
+        match polynomial {
+            Some(polynomial) => Self::Polynomial(Box::new(polynomial)),
+            None => Self::Cells(Octree::build(tape, cell)),
+        }
+    }
+}
+
 thread_local! {
     static SCRATCH: RefCell<Scratch> = RefCell::default();
 }
@@ -105,10 +123,7 @@ impl ImplicitSurface {
             Shrunk::Undefined => return Err(ImplicitError::Undefined),
         };
         let value_error = value_error(&tape, &cell, &mut scratch);
-        let method = match Polynomial::new(tape.degree(), value_error) {
-            Some(polynomial) => Method::Polynomial(Box::new(polynomial)),
-            None => Method::Cells(Octree::build(&tape, cell)),
-        };
+        let method = Method::of(&tape, cell, value_error, &mut scratch);
         let (center, half) = (0.5 * (cell.min + cell.max), 0.5 * (cell.max - cell.min));
         Ok(Self {
             bounds: Aabb::from_reach(center, half),
@@ -179,43 +194,59 @@ impl ImplicitSurface {
     }
 
     /// Gives the roots along a ray to `found`, in ascending order, until it says that it has enough.
-    pub(crate) fn each_root(&self, ray: &Ray, mut found: impl FnMut(f32) -> bool) {
+    pub(crate) fn each_root(&self, ray: &Ray, found: impl FnMut(f32) -> bool) {
+        self.search(ray, false, found);
+    }
+
+    /// Whether there is a root in the ray's interval: as [`intersect_implicit`] says, without the cost of its place.
+    pub(crate) fn is_met(&self, ray: &Ray) -> bool {
+        self.search(ray, true, |t| ray.t.contains(t))
+    }
+
+    /// Gives roots to `found` until it says that it has enough; whether it did. With `any` a root somewhere in the ray's interval is
+    /// enough, even if its place is not known.
+    fn search(&self, ray: &Ray, any: bool, mut found: impl FnMut(f32) -> bool) -> bool {
         let Some(segment) = Segment::new(ray, self.cell.min, self.cell.max) else {
-            return;
+            return false;
         };
         let mut budget = Budget {
             tolerance: segment.duration(self.cell.tolerance()),
             evaluations: Self::MOST_EVALUATIONS,
             exhausted: false,
         };
+        let inside = any.then_some(ray.t);
         let mut found = |t: f64| found(segment.ray_t(t));
-        SCRATCH.with_borrow_mut(|scratch| match &self.method {
-            Method::Polynomial(polynomial) => {
-                let tape = &self.tape;
-                let mut line = TapeLine {
-                    tape,
-                    segment,
-                    scratch,
-                };
-                polynomial.each_root(&mut line, &mut budget, &mut found);
-            }
-            Method::Cells(octree) => {
-                self.each_root_in_cells(octree, segment, scratch, &mut budget, &mut found);
+        let is_enough = SCRATCH.with_borrow_mut(|scratch| {
+            let mut line = TapeLine {
+                tape: &self.tape,
+                segment,
+                scratch,
+            };
+            match &self.method {
+                Method::Polynomial(polynomial) => {
+                    polynomial.each_root(&mut line, &mut budget, &mut found)
+                }
+                Method::Cells(octree) => {
+                    self.each_root_in_cells(octree, line, inside, &mut budget, &mut found)
+                }
             }
         });
         if budget.exhausted {
             self.exhausted.fetch_add(1, Ordering::Relaxed);
         }
+        is_enough
     }
 
-    fn each_root_in_cells(
+    /// Any root `inside` this interval of the ray is enough, if there is one.
+    fn each_root_in_cells<'a>(
         &self,
-        octree: &Octree,
-        segment: Segment,
-        scratch: &mut Scratch,
+        octree: &'a Octree,
+        mut line: TapeLine<'a>,
+        inside: Option<Interval>,
         budget: &mut Budget,
         found: &mut impl FnMut(f64) -> bool,
-    ) {
+    ) -> bool {
+        let segment = line.segment;
         let mut last = f64::NEG_INFINITY;
         let tolerance = budget.tolerance;
         let mut found = |t: f64| {
@@ -223,34 +254,39 @@ impl ImplicitSurface {
             last = last.max(t);
             is_new && found(t)
         };
+        let is_inside = |t: f64| inside.is_some_and(|i| i.contains(segment.ray_t(t)));
         let (origin, dir) = (segment.origin(), segment.dir());
         octree.walk((origin, dir), segment.t, |leaf, center, t| {
             let (from, to) = (segment.at(t.lo) - center, segment.at(t.hi) - center);
-            let tape = &octree.tapes[leaf.tape as usize];
-            let mut line = TapeLine {
-                tape,
-                segment,
-                scratch,
-            };
+            line.tape = &octree.tapes[leaf.tape as usize];
             match leaf.run(from, to, dir) {
                 Run::NoRoot => false,
-                Run::Monotone(a, b) if a * b > 0.0 => false,
-                Run::Monotone(..) => match self.monotone_root(&mut line, t) {
+                Run::Monotone(a, b) if changes_sign(a, b) && is_inside(t.lo) && is_inside(t.hi) => {
+                    true
+                }
+                Run::Monotone(a, b) => match self.monotone_root(&mut line, t, (a, b)) {
                     Ends::NoRoot => false,
                     Ends::Root(root) => found(root),
                     Ends::Unclear => each_root(&mut line, t, budget, &mut found),
                 },
                 Run::Unknown => each_root(&mut line, t, budget, &mut found) || budget.exhausted,
             }
-        });
+        })
     }
 
-    /// The root of a monotone piece by the signs at its ends, unless rounding may hide one of them.
-    fn monotone_root(&self, line: &mut TapeLine, t: Interval64) -> Ends {
-        let (a, b) = (
-            line.tape.value(line.segment.at(t.lo)),
-            line.tape.value(line.segment.at(t.hi)),
-        );
+    /// The root of a monotone piece: where Newton's method finds it between the ends, else by the signs there, unless rounding may hide
+    /// one of them. `ends` encloses the values there.
+    fn monotone_root(
+        &self,
+        line: &mut TapeLine,
+        t: Interval64,
+        ends: (Interval64, Interval64),
+    ) -> Ends {
+        let mut at = |t: f64| super::root::Line::at(line, t);
+        if let Some(root) = newton_between(&mut at, t, ends) {
+            return Ends::Root(root);
+        }
+        let [a, b] = [t.lo, t.hi].map(|t| line.tape.value(line.segment.at(t)));
         if !(a.abs() > self.value_error && b.abs() > self.value_error) {
             Ends::Unclear
         } else if (a < 0.0) == (b < 0.0) {
@@ -260,6 +296,11 @@ impl ImplicitSurface {
             Ends::Root(polish_in(at, (t.lo, a), (t.hi, b)))
         }
     }
+}
+
+/// Whether all values of one interval are negative and all of the other positive.
+fn changes_sign(a: Interval64, b: Interval64) -> bool {
+    (a.hi < 0.0 && b.lo > 0.0) || (a.lo > 0.0 && b.hi < 0.0)
 }
 
 /// What the values at the ends of a monotone piece tell.

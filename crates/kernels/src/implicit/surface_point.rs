@@ -49,7 +49,8 @@ impl ImplicitSurface {
     fn settle(&self, p: Vec3) -> (DVec3, DVec3) {
         let extent = self.cell().diagonal();
         let start = p.as_dvec3();
-        let p = descend(self.tape(), start, 1e-17 * extent);
+        // Far beneath what an f32 can tell.
+        let p = descend(self.tape(), start, 1e-13 * extent);
         let p = if p.is_finite() { p } else { start };
         let (_, gradient) = self.tape().gradient(p);
         let n = match gradient.try_normalize() {

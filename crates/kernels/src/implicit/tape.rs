@@ -97,6 +97,31 @@ impl Tape {
         self.ops.iter().all(|op| op.code == Code::Const) && self.root as usize >= INPUTS
     }
 
+    /// The tape of another list on the same vector unit.
+    pub(super) fn like(&self, list: &[Op], root: u32) -> Self {
+        Self {
+            unit: self.unit,
+            ..Self::new(list, root)
+        }
+    }
+
+    /// The operations with each result numbered by its place, as [`Tape::new`] takes them, and the number of the last result.
+    pub(super) fn by_place(&self) -> (Vec<Op>, u32) {
+        let mut now: Vec<u32> = (0..self.registers as u32).collect();
+        let mut list = Vec::with_capacity(self.ops.len());
+        for op in &self.ops {
+            let mut placed = *op;
+            if op.code.arity() > 0 {
+                placed.a = now[op.a as usize];
+            }
+            if op.code.arity() > 1 {
+                placed.b = now[op.b as usize];
+            }
+            now[op.out as usize] = append(&mut list, placed);
+        }
+        (list, now[self.root as usize])
+    }
+
     /// The formula within the box of the last [`Tape::interval`] that `scratch` saw: what that decided is left out.
     ///
     /// Equal to the whole in all of the box, to the bit. `None` if nothing was decided, or by another tape.
@@ -134,10 +159,7 @@ impl Tape {
                 None => append(&mut list, op),
             };
         }
-        Some(Self {
-            unit: self.unit,
-            ..Self::new(&list, now[self.root as usize])
-        })
+        Some(self.like(&list, now[self.root as usize]))
     }
 }
 

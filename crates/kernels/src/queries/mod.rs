@@ -8,6 +8,7 @@ mod surface_crossings;
 mod triangle_mesh;
 mod winding;
 
+use crate::surface::meets_surface;
 use crate::{MeshHit, Ray, Surface, Walk, intersect_surface};
 pub use crossing::{Crossing, Crossings, Way};
 use fearless_simd::dispatch;
@@ -124,7 +125,7 @@ impl Body<'_> {
                 hits
             }
             Self::Surface(surface) => {
-                let any = |ray: &Ray| intersect_surface(ray, surface).is_some();
+                let any = |ray: &Ray| meets_surface(ray, surface);
                 rays.par_iter().with_min_len(SHARE).map(any).collect()
             }
         }

@@ -7,6 +7,7 @@ use super::{
         intersect_sphere_block,
     },
 };
+use crate::surface::meets_surface;
 use crate::{Hit, Ray, Surface, intersect_surface};
 
 /// A handful of surfaces, each tested against all rays: for few surfaces faster than any tree.
@@ -95,6 +96,12 @@ fn any(surfaces: &[(u32, Surface)], rays: &[Ray], occluded: &mut [bool]) {
         let mut t = [0.0; BLOCK];
         let mut part = [0; BLOCK];
         for (_, surface) in surfaces {
+            if let Surface::Implicit(_) = surface {
+                for (ray, blocked) in rays.iter().zip(&mut blocked) {
+                    *blocked = *blocked || meets_surface(ray, surface);
+                }
+                continue;
+            }
             intersect(surface, rays, &block, &mut t, &mut part);
             for i in 0..BLOCK {
                 blocked[i] |= t[i] < f32::INFINITY;

@@ -1,0 +1,78 @@
+//! How long does a ray to a formula's surface take? `cargo run --release --example implicit_rays`, in ns, best of 5.
+
+use std::hint::black_box;
+use std::time::Instant;
+use umbriel_kernels::glam::Vec3;
+use umbriel_kernels::{Formula, ImplicitSurface, Ray, intersect_implicit};
+
+const SIDE: usize = 120;
+
+/// The formulas of the scenes in `bench/scenes`.
+const SHAPES: [(&str, &str); 4] = [
+    (
+        "heart",
+        "(x^2 + 9/4 * y^2 + z^2 - 1)^3 = x^2 * z^3 + 9/80 * y^2 * z^3",
+    ),
+    ("torus", "(sqrt(x^2 + y^2) - 1)^2 + z^2 = 0.35^2"),
+    (
+        "gyroid",
+        "max(abs(sin(6*x)*cos(6*y) + sin(6*y)*cos(6*z) + sin(6*z)*cos(6*x)) - 0.25, 6 * (sqrt(x^2 + y^2 + z^2) - 1.25))",
+    ),
+    (
+        "blob",
+        "sqrt(x^2 + y^2 + z^2) = 1 + 0.1 * sin(9*x) * sin(9*y) * sin(9*z) + 0.05 * sin(4*x + 3*y)",
+    ),
+];
+
+/// Nanoseconds for one of `count`.
+fn best(count: usize, mut work: impl FnMut()) -> f64 {
+    let times = (0..5).map(|_| {
+        let start = Instant::now();
+        work();
+        start.elapsed().as_secs_f64()
+    });
+    1e9 * times.fold(f64::INFINITY, f64::min) / count as f64
+}
+
+fn camera_rays() -> Vec<Ray> {
+    let eye = Vec3::new(1.3, -3.9, 1.3);
+    let forward = -eye.normalize();
+    let right = forward.cross(Vec3::Z).normalize();
+    let up = right.cross(forward);
+    let place = |i: usize| (i as f32 + 0.5) / SIDE as f32 * 0.7 - 0.35;
+    let ray = |i: usize| {
+        let dir = forward + place(i % SIDE) * right + place(i / SIDE) * up;
+        Ray::new(eye, dir.normalize())
+    };
+    (0..SIDE * SIDE).map(ray).collect()
+}
+
+fn main() {
+    let rays = camera_rays();
+    for (name, source) in SHAPES {
+        let formula = Formula::parse(source, &[]).expect("a formula");
+        let start = Instant::now();
+        let surface = ImplicitSurface::new(formula, None).expect("a surface");
+        let built = start.elapsed().as_secs_f64();
+        let hits: Vec<Vec3> = rays
+            .iter()
+            .filter_map(|ray| Some(ray.at(intersect_implicit(ray, &surface)?)))
+            .collect();
+        let ray_ns = best(rays.len(), || {
+            for ray in &rays {
+                black_box(intersect_implicit(ray, &surface));
+            }
+        });
+        let point_ns = best(hits.len(), || {
+            for p in &hits {
+                black_box(surface.point_at(*p));
+            }
+        });
+        println!(
+            "{name}: built in {built:.3} s, {} kB, {} of {} rays hit, ray {ray_ns:.0}, point {point_ns:.0}",
+            surface.memory() / 1024,
+            hits.len(),
+            rays.len()
+        );
+    }
+}
