@@ -46,6 +46,7 @@ mod hit_groups;
 mod ids;
 mod image;
 mod light;
+mod light_sampling;
 mod material;
 mod mesh;
 mod mesh_lanes;
@@ -62,6 +63,7 @@ mod shade_block;
 mod shadow_map;
 mod shadow_rays;
 mod show;
+mod sobol;
 mod surface;
 mod surface_lanes;
 mod texture;
@@ -72,7 +74,10 @@ mod validate_parts;
 mod whitted;
 
 pub use aov::render_aovs;
-pub use bsdf::{Bsdf, albedo_ggx, eval_diffuse, eval_ggx};
+pub use bsdf::{
+    Bsdf, albedo_ggx, eval_diffuse, eval_ggx, eval_ggx_transmission, pdf_diffuse, pdf_ggx,
+    pdf_ggx_transmission, refracting_half, sample_diffuse, sample_ggx,
+};
 pub use camera::{Camera, CameraFrame, Projection};
 pub use color::{
     LUMINANCE, Tonemap, auto_exposure, develop, develop_into, linear_to_srgb, srgb_to_linear,
@@ -85,6 +90,10 @@ pub use fresnel::{fresnel_dielectric, fresnel_schlick, normal_reflectance, refle
 pub use ids::{InstanceId, MaterialId, MeshId, SurfaceId, TextureId};
 pub use image::{Aov, Image, Layer};
 pub use light::{DirectionalLight, Light, LightSample, PointLight, SpotLight};
+pub use light_sampling::{
+    DirectionSample, pdf_disk, pdf_rectangle, pdf_sphere, pdf_triangle, sample_concentric,
+    sample_disk, sample_rectangle, sample_sphere, sample_triangle,
+};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use mesh::Mesh;
 pub use render::{Control, render, render_with_maps, render_with_maps_into};
@@ -98,6 +107,7 @@ pub use shadow_map::{
 };
 pub use shadow_rays::ShadowRays;
 pub use show::{Fact, Show, ShowContext, Shown, show};
+pub use sobol::PixelSampler;
 pub use surface::{SurfaceInteraction, surface_interaction};
 pub use texture::{Checker, Encoding, Filter, ImageTexture, Texture, Wrap};
 pub use umbriel_kernels as kernels;
