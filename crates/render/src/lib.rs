@@ -37,6 +37,7 @@ mod camera;
 mod color;
 mod compare;
 mod direct;
+mod emitters;
 mod environment;
 mod eye_lanes;
 mod eye_raster;
@@ -47,10 +48,12 @@ mod ids;
 mod image;
 mod light;
 mod light_sampling;
+mod light_tree;
 mod material;
 mod mesh;
 mod mesh_lanes;
 mod mesh_point;
+mod path;
 mod raster_tiles;
 mod ray_cast;
 mod render;
@@ -75,8 +78,8 @@ mod whitted;
 
 pub use aov::render_aovs;
 pub use bsdf::{
-    Bsdf, albedo_ggx, eval_diffuse, eval_ggx, eval_ggx_transmission, pdf_diffuse, pdf_ggx,
-    pdf_ggx_transmission, refracting_half, sample_diffuse, sample_ggx,
+    Bsdf, BsdfSample, albedo_ggx, eval_diffuse, eval_ggx, eval_ggx_transmission, pdf_diffuse,
+    pdf_ggx, pdf_ggx_transmission, refracting_half, sample_diffuse, sample_ggx,
 };
 pub use camera::{Camera, CameraFrame, Projection};
 pub use color::{
@@ -94,6 +97,7 @@ pub use light_sampling::{
     DirectionSample, pdf_disk, pdf_rectangle, pdf_sphere, pdf_triangle, sample_concentric,
     sample_disk, sample_rectangle, sample_sphere, sample_triangle,
 };
+pub use light_tree::{LightBounds, LightTree};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use mesh::Mesh;
 pub use render::{Control, render, render_with_maps, render_with_maps_into};

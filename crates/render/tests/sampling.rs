@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 use umbriel_render::{
-    DirectionSample, PixelSampler, eval_ggx, eval_ggx_transmission,
+    Bsdf, DirectionSample, PixelSampler, eval_ggx, eval_ggx_transmission,
     kernels::{
         Triangle,
         glam::{Vec2, Vec3},
@@ -339,5 +339,78 @@ fn weights_of_visible_normals_are_maskings() {
                 );
             }
         }
+    }
+}
+
+fn plastic() -> Bsdf {
+    Bsdf {
+        base_color: Vec3::new(0.8, 0.5, 0.2),
+        alpha: 1.0,
+        metallic: 0.0,
+        roughness: 0.5,
+        emission: Vec3::ZERO,
+        transmission: 0.0,
+        ior: 1.5,
+        eta: 1.5,
+        thin_walled: false,
+        unlit: false,
+    }
+}
+
+/// Whole materials: what [`Bsdf::sample`] chooses has the density [`Bsdf::pdf`], and the weight is that of [`Bsdf::eval_through`].
+#[test]
+fn materials() {
+    let n = Vec3::new(0.3, 0.8, -0.4).normalize();
+    let (x, _) = n.any_orthonormal_pair();
+    let wo = n * 0.7 + x * (1.0 - 0.49_f32).sqrt();
+    let metal = Bsdf {
+        metallic: 1.0,
+        ..plastic()
+    };
+    let frosted = Bsdf {
+        transmission: 0.6,
+        roughness: 0.6,
+        ..plastic()
+    };
+    let leaf = Bsdf {
+        transmission: 0.5,
+        thin_walled: true,
+        eta: 1.0,
+        roughness: 0.7,
+        ..plastic()
+    };
+    for (name, bsdf) in [
+        ("plastic", plastic()),
+        ("metal", metal),
+        ("frosted", frosted),
+        ("leaf", leaf),
+    ] {
+        let mut lost = 0.0;
+        let mut counts = vec![0.0; ROWS * COLUMNS];
+        for i in 0..SAMPLES {
+            let lobe = random(i ^ 0x00ff_0000).x;
+            match bsdf.sample(n, wo, lobe, random(i)) {
+                None => lost += 1.0,
+                Some(s) => {
+                    assert!((s.pdf / bsdf.pdf(n, wo, s.wi) - 1.0).abs() < 1e-3);
+                    let f = bsdf.eval_through(n, wo, s.wi);
+                    assert!(
+                        (s.weight * s.pdf - f).length() <= 1e-3 * f.length(),
+                        "{name}"
+                    );
+                    counts[bin(n, s.wi)] += 1.0;
+                }
+            }
+        }
+        let shares = integral(n, |wi| f64::from(bsdf.pdf(n, wo, wi)));
+        let expected: Vec<f64> = shares.iter().map(|s| s * f64::from(SAMPLES)).collect();
+        let inside: f64 = shares.iter().sum();
+        // What the rough lobes send behind the surface is lost.
+        assert!(
+            (inside + lost / f64::from(SAMPLES) - 1.0).abs() < 5e-3,
+            "{name}: {inside} {lost}"
+        );
+        let z = deviations(&counts, &expected);
+        assert!(z < LIMIT, "{name}: {z} standard deviations");
     }
 }
