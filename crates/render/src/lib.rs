@@ -42,6 +42,7 @@ mod camera;
 mod color;
 mod compare;
 mod direct;
+mod emitters;
 mod environment;
 mod eye_lanes;
 mod eye_raster;
@@ -52,10 +53,13 @@ mod hit_groups;
 mod ids;
 mod image;
 mod light;
+mod light_sampling;
+mod light_tree;
 mod material;
 mod mesh;
 mod mesh_lanes;
 mod mesh_point;
+mod path;
 mod raster_tiles;
 mod ray_cast;
 mod render;
@@ -68,6 +72,7 @@ mod shade_block;
 mod shadow_map;
 mod shadow_rays;
 mod show;
+mod sobol;
 mod surface;
 mod surface_lanes;
 mod texture;
@@ -78,7 +83,10 @@ mod validate_parts;
 mod whitted;
 
 pub use aov::render_aovs;
-pub use bsdf::{Bsdf, albedo_ggx, eval_diffuse, eval_ggx};
+pub use bsdf::{
+    Bsdf, BsdfSample, albedo_ggx, eval_diffuse, eval_ggx, eval_ggx_transmission, pdf_diffuse,
+    pdf_ggx, pdf_ggx_transmission, refracting_half, sample_diffuse, sample_ggx,
+};
 pub use camera::{Camera, CameraFrame, Projection};
 pub use color::{
     Development, LUMINANCE, Tonemap, auto_exposure, develop, linear_to_srgb, srgb_to_linear,
@@ -91,6 +99,11 @@ pub use fresnel::{fresnel_dielectric, fresnel_schlick, normal_reflectance, refle
 pub use ids::{InstanceId, MaterialId, MeshId, SurfaceId, TextureId};
 pub use image::{Aov, Image, Layer};
 pub use light::{DirectionalLight, Light, LightSample, PointLight, SpotLight};
+pub use light_sampling::{
+    DirectionSample, pdf_disk, pdf_rectangle, pdf_sphere, pdf_triangle, sample_concentric,
+    sample_disk, sample_rectangle, sample_sphere, sample_triangle,
+};
+pub use light_tree::{LightBounds, LightTree};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use mesh::Mesh;
 pub use render::{Control, build_needed_trees, render, render_bytes_into, render_with_maps};
@@ -104,6 +117,7 @@ pub use shadow_map::{
 };
 pub use shadow_rays::ShadowRays;
 pub use show::{Fact, Show, ShowContext, Shown, show};
+pub use sobol::PixelSampler;
 pub use surface::{SurfaceInteraction, surface_interaction};
 pub use texture::{Checker, Encoding, Filter, ImageTexture, Texture, Wrap};
 pub use umbriel_kernels as kernels;

@@ -14,6 +14,9 @@ pub enum Method {
     /// Recursive mirrored and refracted rays (Whitted 1980).
     #[default]
     Whitted,
+    /// Rays that go on at random from every surface, and rays to lights at random: all light that reaches the eye, with noise (Kajiya 1986).
+    /// [`Sampling::Adaptive`] counts as 1 sample a pixel.
+    Path,
 }
 
 /// Where in a pixel the eye rays go.

@@ -237,6 +237,8 @@ pub(crate) enum MethodName {
     RayCast,
     /// Mirrored and refracted rays (Whitted 1980)
     Whitted,
+    /// Rays that go on at random, from surface to surface (Kajiya 1986)
+    Path,
     /// Depth images from the lights tell what is lit (Williams 1978)
     ShadowMap,
 }
@@ -246,6 +248,7 @@ impl From<MethodName> for Method {
         match name {
             MethodName::RayCast => Self::RayCast,
             MethodName::Whitted => Self::Whitted,
+            MethodName::Path => Self::Path,
             MethodName::ShadowMap => Self::ShadowMap,
         }
     }

@@ -77,6 +77,7 @@ pub(crate) fn method_name(method: Method) -> &'static str {
     match method {
         Method::RayCast => "ray-cast",
         Method::Whitted => "whitted",
+        Method::Path => "path",
         Method::ShadowMap => "shadow-map",
     }
 }
