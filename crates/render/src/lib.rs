@@ -63,6 +63,7 @@ mod path;
 mod raster_tiles;
 mod ray_cast;
 mod render;
+mod sample_light;
 mod sampler;
 mod scene;
 mod scene_bvh;

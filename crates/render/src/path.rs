@@ -5,7 +5,8 @@
 
 use crate::{
     CameraFrame, MaterialId, PixelSampler, SceneBvh, Settings, ShadowRays, SurfaceInteraction,
-    direct::Visibility, emitters::Emitters, hit_groups::HitGroups, surface_lanes::SurfaceLanes,
+    direct::Visibility, emitters::Emitters, hit_groups::HitGroups, sample_light::SampleLight,
+    surface_lanes::SurfaceLanes,
 };
 use umbriel_kernels::{
     Hit, Interval, LANES, Ray, VectorUnit,
@@ -56,6 +57,8 @@ impl PathState {
 #[derive(Clone, Copy, Debug)]
 struct Unshadowed {
     slot: u32,
+    /// By which it will have been scattered.
+    surfaces: u16,
     radiance: Vec3,
 }
 
@@ -116,9 +119,9 @@ impl<'a> PathTracer<'a> {
         frame: &CameraFrame,
         samples: &[(u32, u32, u32)],
         count: u32,
-        radiance: &mut [Vec3],
+        radiance: &mut [SampleLight],
     ) {
-        radiance.fill(Vec3::ZERO);
+        radiance.fill(SampleLight::default());
         self.rays.clear();
         self.states.clear();
         for (slot, &(x, y, sample)) in (0..).zip(samples) {
@@ -153,24 +156,25 @@ impl<'a> PathTracer<'a> {
             self.next_states.clear();
         }
         for sample in radiance {
-            if !sample.is_finite() {
-                *sample = Vec3::ZERO;
+            if !sample.sum().is_finite() {
+                *sample = SampleLight::default();
                 self.bad_samples += 1;
             }
         }
     }
 
-    fn see_sky(&self, radiance: &mut [Vec3]) {
+    fn see_sky(&self, radiance: &mut [SampleLight]) {
         let environment = &self.bvh.scene().environment;
         for ((ray, state), hit) in self.rays.iter().zip(&self.states).zip(&self.hits) {
             if hit.is_none() {
-                radiance[state.slot as usize] += state.weight * environment.radiance(ray.dir);
+                let sky = state.weight * environment.radiance(ray.dir);
+                radiance[state.slot as usize].add(state.depth, sky);
             }
         }
     }
 
     /// Evaluates each surface, adds what it emits, and sends a ray to a light and one that goes on.
-    fn scatter(&mut self, radiance: &mut [Vec3]) {
+    fn scatter(&mut self, radiance: &mut [SampleLight]) {
         self.groups
             .sort(&self.hits, self.bvh.scene().instances.len());
         let groups = std::mem::take(&mut self.groups);
@@ -191,7 +195,7 @@ impl<'a> PathTracer<'a> {
         self.groups = groups;
     }
 
-    fn scatter_one(&mut self, i: usize, lane: usize, hit: &Hit, radiance: &mut [Vec3]) {
+    fn scatter_one(&mut self, i: usize, lane: usize, hit: &Hit, radiance: &mut [SampleLight]) {
         let (scene, surface) = (self.bvh.scene(), self.surfaces.get(lane));
         let mut state = self.states[i];
         if let Some(medium) = state.medium {
@@ -203,12 +207,13 @@ impl<'a> PathTracer<'a> {
             return;
         }
         if surface.bsdf.unlit {
-            radiance[state.slot as usize] += state.weight * surface.bsdf.base_color;
+            radiance[state.slot as usize].add(state.depth, state.weight * surface.bsdf.base_color);
             return;
         }
         if surface.bsdf.emission != Vec3::ZERO {
             let share = self.emission_share(&state, hit, surface.p);
-            radiance[state.slot as usize] += state.weight * surface.bsdf.emission * share;
+            let emitted = state.weight * surface.bsdf.emission * share;
+            radiance[state.slot as usize].add(state.depth, emitted);
         }
         if u32::from(state.depth) >= self.settings.depth {
             return;
@@ -278,6 +283,7 @@ impl<'a> PathTracer<'a> {
                 .push(shadow_ray(surface, light.to_light, light.t_max));
             self.unshadowed.push(Unshadowed {
                 slot: state.slot,
+                surfaces: state.depth + 1,
                 radiance,
             });
         }
@@ -331,7 +337,7 @@ impl<'a> PathTracer<'a> {
         });
     }
 
-    fn light(&mut self, radiance: &mut [Vec3]) {
+    fn light(&mut self, radiance: &mut [SampleLight]) {
         self.fractions.clear();
         self.fractions.resize(self.shadow_rays.len(), Vec3::ONE);
         if self.settings.shadows {
@@ -340,7 +346,7 @@ impl<'a> PathTracer<'a> {
             self.shadow_rays_traced += rays.len() as u64;
         }
         for (light, fraction) in self.unshadowed.iter().zip(&self.fractions) {
-            radiance[light.slot as usize] += light.radiance * *fraction;
+            radiance[light.slot as usize].add(light.surfaces, light.radiance * *fraction);
         }
         self.shadow_rays.clear();
         self.unshadowed.clear();

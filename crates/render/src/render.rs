@@ -3,8 +3,8 @@
 use crate::{
     AlphaMode, Camera, CameraFrame, Development, Film, Image, Method, Sampling, Scene, SceneBvh,
     Settings, ShadowMaps, Stats, adaptive, develop, emitters::Emitters, eye_raster,
-    path::PathTracer, raster_tiles, sampler::sample_pixel, scene_draws::are_told_apart,
-    trace::Tracer,
+    path::PathTracer, raster_tiles, sample_light::SampleLight, sampler::sample_pixel,
+    scene_draws::are_told_apart, trace::Tracer,
 };
 use rayon::prelude::*;
 use std::sync::{
@@ -198,13 +198,13 @@ fn render_paths(bvh: &SceneBvh, job: &Job, pixels: &mut [[f32; 4]]) -> Stats {
                 tracer.bad_samples,
             );
             let mut samples = Vec::with_capacity(PATHS);
-            let mut radiance = vec![Vec3::ZERO; PATHS];
+            let mut radiance = vec![SampleLight::default(); PATHS];
             let mut sums = vec![Vec3::ZERO; band.len()];
             let mut flush = |samples: &mut Vec<(u32, u32, u32)>| {
                 let radiance = &mut radiance[..samples.len()];
                 tracer.trace(&job.frame, samples, spp, radiance);
-                for (&(x, y, _), &radiance) in samples.iter().zip(&*radiance) {
-                    sums[((y - top) * width + x) as usize] += radiance;
+                for (&(x, y, _), light) in samples.iter().zip(&*radiance) {
+                    sums[((y - top) * width + x) as usize] += light.sum();
                 }
                 samples.clear();
             };
