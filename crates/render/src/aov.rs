@@ -12,6 +12,7 @@ const BAND: u32 = 64;
 
 /// Renders the layers for the whole picture; outside of the crop they are as where nothing is hit.
 ///
+/// Layers that come from samples are left out: [`PathFilm::layers`](crate::PathFilm::layers) has them.
 /// A partly transparent surface counts like an opaque one: the layers tell of the first thing that is met.
 pub fn render_aovs(
     bvh: &SceneBvh,
@@ -21,7 +22,12 @@ pub fn render_aovs(
 ) -> Vec<Layer> {
     let [width, height] = settings.resolution;
     let frame = camera.frame(settings.resolution);
-    let mut layers: Vec<Layer> = aovs
+    let of_hits: Vec<Aov> = aovs
+        .iter()
+        .copied()
+        .filter(|a| !a.is_of_samples())
+        .collect();
+    let mut layers: Vec<Layer> = of_hits
         .iter()
         .map(|&aov| Layer {
             names: aov.channels(),
@@ -33,7 +39,7 @@ pub fn render_aovs(
             .into_par_iter()
             .map(|y| trace_row(bvh, &frame, settings, y))
             .collect();
-        for (aov, Layer { channels, .. }) in aovs.iter().zip(&mut layers) {
+        for (aov, Layer { channels, .. }) in of_hits.iter().zip(&mut layers) {
             let value = |(ray, hit): &(Ray, Option<Hit>)| {
                 value(bvh, frame.forward, *aov, ray, hit.as_ref())
             };
@@ -84,5 +90,6 @@ fn value(bvh: &SceneBvh, forward: Vec3, aov: Aov, ray: &Ray, hit: Option<&Hit>) 
         Aov::Instance => number(hit.instance),
         Aov::Primitive => number(hit.primitive),
         Aov::Material => number(bvh.scene().instances[hit.instance as usize].material.0),
+        Aov::Direct | Aov::Indirect | Aov::SampleCount | Aov::Variance => [0.0; 3],
     }
 }

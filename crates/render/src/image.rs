@@ -21,8 +21,8 @@ pub struct Layer {
     pub channels: Vec<Vec<f32>>,
 }
 
-/// What can be written beside the picture: facts of what the ray through each pixel's centre hits.
-/// Where it hits nothing, all channels are 0, but depth is infinite.
+/// What can be written beside the picture. Up to [`Aov::Material`] facts of what the ray through each pixel's centre hits: where it hits
+/// nothing, all channels are 0, but depth is infinite. The others come from the samples of a [`PathFilm`](crate::PathFilm).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Aov {
     /// Distance from the eye along the view direction, in metres.
@@ -39,11 +39,20 @@ pub enum Aov {
     Primitive,
     /// Number of the material, counted from 1.
     Material,
+    /// Light that was scattered by one surface at most: lights and sky as the eye sees them, and their light on what it sees. With
+    /// [`Aov::Indirect`] it adds up to the picture. The names are those of Arnold, whose `direct` leaves out what is seen without a surface.
+    Direct,
+    /// Light that was scattered by two surfaces or more.
+    Indirect,
+    /// Samples in the pixel.
+    SampleCount,
+    /// Estimated variance of the pixel's luminance, the mean of its samples.
+    Variance,
 }
 
 impl Aov {
     /// All of them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 11] = [
         Self::Depth,
         Self::Normal,
         Self::Position,
@@ -51,6 +60,10 @@ impl Aov {
         Self::Instance,
         Self::Primitive,
         Self::Material,
+        Self::Direct,
+        Self::Indirect,
+        Self::SampleCount,
+        Self::Variance,
     ];
 
     /// Name on the command line.
@@ -63,6 +76,10 @@ impl Aov {
             Self::Instance => "instance",
             Self::Primitive => "primitive",
             Self::Material => "material",
+            Self::Direct => "direct",
+            Self::Indirect => "indirect",
+            Self::SampleCount => "sample-count",
+            Self::Variance => "variance",
         }
     }
 
@@ -76,6 +93,18 @@ impl Aov {
             Self::Instance => &["instanceId"],
             Self::Primitive => &["primitiveId"],
             Self::Material => &["materialId"],
+            Self::Direct => &["direct.R", "direct.G", "direct.B"],
+            Self::Indirect => &["indirect.R", "indirect.G", "indirect.B"],
+            Self::SampleCount => &["sampleCount"],
+            Self::Variance => &["variance"],
         }
+    }
+
+    /// Whether it comes from the samples of a [`PathFilm`](crate::PathFilm), not from what is hit.
+    pub fn is_of_samples(self) -> bool {
+        matches!(
+            self,
+            Self::Direct | Self::Indirect | Self::SampleCount | Self::Variance
+        )
     }
 }

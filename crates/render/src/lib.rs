@@ -7,6 +7,7 @@
 //! | topic | function | source |
 //! |---|---|---|
 //! | ray casting, Whitted's ray tracing, shadow mapping | [`render()`] with a [`Method`] | Appel 1968; Whitted 1980; Williams 1978 |
+//! | when a picture of samples stops | [`PathFilm`] | Schmeiser 1982 (its noise); Kirk & Arvo 1991 (bias) |
 //! | adaptive anti-aliasing | [`Sampling::Adaptive`] | Whitted 1980; Mitchell 1987 |
 //! | pinhole camera: rays, projection | [`CameraFrame::ray`], [`Camera::view_projection`] | |
 //! | a hit becomes a point of a surface | [`surface_interaction`] | Pharr, Jakob & Humphreys 2023 (error bounds) |
@@ -44,6 +45,7 @@ mod compare;
 mod direct;
 mod emitters;
 mod environment;
+mod exact_sum;
 mod eye_lanes;
 mod eye_raster;
 mod eye_solid;
@@ -60,6 +62,7 @@ mod mesh;
 mod mesh_lanes;
 mod mesh_point;
 mod path;
+mod path_film;
 mod raster_tiles;
 mod ray_cast;
 mod render;
@@ -95,7 +98,7 @@ pub use color::{
 pub use compare::{Comparison, compare, difference_picture};
 pub use direct::Visibility;
 pub use environment::Environment;
-pub use film::{Film, Stats};
+pub use film::{Film, SamplingReport, Stats, StopReason};
 pub use fresnel::{fresnel_dielectric, fresnel_schlick, normal_reflectance, reflect, refract};
 pub use ids::{InstanceId, MaterialId, MeshId, SurfaceId, TextureId};
 pub use image::{Aov, Image, Layer};
@@ -107,6 +110,7 @@ pub use light_sampling::{
 pub use light_tree::{LightBounds, LightTree};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use mesh::Mesh;
+pub use path_film::{MOST_SAMPLES, PathFilm};
 pub use render::{Control, build_needed_trees, render, render_bytes_into, render_with_maps};
 pub use sampler::sample_pixel;
 pub use scene::{Geometry, Instance, Scene};

@@ -95,7 +95,7 @@ impl<'a> PathTracer<'a> {
             bvh,
             settings,
             emitters,
-            unit: VectorUnit::default(),
+            unit: bvh.unit(),
             shadow: ShadowRays::new(bvh, settings.glass_shadows),
             rays: Vec::new(),
             states: Vec::new(),

@@ -2,9 +2,8 @@
 
 use crate::{
     AlphaMode, Camera, CameraFrame, Development, Film, Image, Method, Sampling, Scene, SceneBvh,
-    Settings, ShadowMaps, Stats, adaptive, develop, emitters::Emitters, eye_raster,
-    path::PathTracer, raster_tiles, sample_light::SampleLight, sampler::sample_pixel,
-    scene_draws::are_told_apart, trace::Tracer,
+    Settings, ShadowMaps, Stats, adaptive, develop, eye_raster, path_film, raster_tiles,
+    sampler::sample_pixel, scene_draws::are_told_apart, trace::Tracer,
 };
 use rayon::prelude::*;
 use std::sync::{
@@ -70,6 +69,9 @@ pub fn render_with_maps(
     maps: Option<&ShadowMaps>,
     control: &Control,
 ) -> Film {
+    if settings.method == Method::Path {
+        return path_film::render(bvh, camera, settings, control);
+    }
     let job = Job::new(camera, settings, control);
     let raster_spp = raster_samples(bvh, camera, settings);
     prepare(bvh, raster_spp);
@@ -78,7 +80,6 @@ pub fn render_with_maps(
     let mut pixels = vec![[0.0; 4]; width * height];
     let stats = match raster_spp {
         Some(spp) => raster_tiles::render(bvh, camera, maps, &job, spp, &mut pixels),
-        None if settings.method == Method::Path => render_paths(bvh, &job, &mut pixels),
         None => render_bands(bvh, maps, &job, &mut pixels),
     };
     let image = Image {
@@ -86,7 +87,11 @@ pub fn render_with_maps(
         height,
         pixels,
     };
-    Film { image, stats }
+    Film {
+        image,
+        stats,
+        sampling: None,
+    }
 }
 
 /// [`render_with_maps`] and [`develop`](crate::develop) in one, into the memory of a former picture, without a film where none is needed: pictures of
@@ -163,71 +168,6 @@ fn render_bands(
             let tracer = lock(&idle).pop();
             let mut tracer = tracer.unwrap_or_else(|| Tracer::new(bvh, job.settings, maps));
             let stats = render_band(&mut tracer, job, y0 + number as u32 * TILE[1], band);
-            lock(&idle).push(tracer);
-            stats
-        })
-        .reduce(Stats::default, |a, b| a + b)
-}
-
-/// Paths in flight at once.
-const PATHS: usize = 4096;
-
-/// Renders the picture by paths, a band of rows after the other.
-fn render_paths(bvh: &SceneBvh, job: &Job, pixels: &mut [[f32; 4]]) -> Stats {
-    let emitters = Emitters::new(bvh.scene());
-    let width = job.settings.resolution[0];
-    let [x0, y0, x1, y1] = job.crop;
-    let spp = match job.settings.sampling {
-        Sampling::Fixed { spp } => spp.max(1),
-        Sampling::Adaptive { .. } => 1,
-    };
-    let rows = y0 as usize * width as usize..y1 as usize * width as usize;
-    let idle: Mutex<Vec<PathTracer>> = Mutex::new(Vec::new());
-    pixels[rows]
-        .par_chunks_mut((TILE[1] * width) as usize)
-        .enumerate()
-        .with_max_len(1)
-        .map(|(number, band)| {
-            let tracer = lock(&idle).pop();
-            let mut tracer =
-                tracer.unwrap_or_else(|| PathTracer::new(bvh, job.settings, &emitters));
-            let top = y0 + number as u32 * TILE[1];
-            let before = (
-                tracer.rays_traced,
-                tracer.shadow_rays_traced,
-                tracer.bad_samples,
-            );
-            let mut samples = Vec::with_capacity(PATHS);
-            let mut radiance = vec![SampleLight::default(); PATHS];
-            let mut sums = vec![Vec3::ZERO; band.len()];
-            let mut flush = |samples: &mut Vec<(u32, u32, u32)>| {
-                let radiance = &mut radiance[..samples.len()];
-                tracer.trace(&job.frame, samples, spp, radiance);
-                for (&(x, y, _), light) in samples.iter().zip(&*radiance) {
-                    sums[((y - top) * width + x) as usize] += light.sum();
-                }
-                samples.clear();
-            };
-            for y in top..(top + TILE[1]).min(y1) {
-                for x in x0..x1 {
-                    for sample in 0..spp {
-                        samples.push((x, y, sample));
-                        if samples.len() == PATHS {
-                            flush(&mut samples);
-                        }
-                    }
-                }
-            }
-            flush(&mut samples);
-            for (pixel, sum) in band.iter_mut().zip(&sums) {
-                *pixel = (*sum / spp as f32).extend(1.0).to_array();
-            }
-            let stats = Stats {
-                rays: tracer.rays_traced - before.0,
-                shadow_rays: tracer.shadow_rays_traced - before.1,
-                bad_samples: tracer.bad_samples - before.2,
-                pixels: job.count([x0, top, x1, (top + TILE[1]).min(y1)]),
-            };
             lock(&idle).push(tracer);
             stats
         })
