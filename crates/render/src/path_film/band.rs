@@ -46,6 +46,16 @@ impl Band {
         }
     }
 
+    /// Bytes of memory for each pixel.
+    pub(crate) fn pixel_bytes(with_direct: bool) -> u64 {
+        let direct = if with_direct {
+            size_of::<[ExactSum; 3]>()
+        } else {
+            0
+        };
+        (size_of::<PixelSums>() + size_of::<Batches>() + direct) as u64
+    }
+
     /// Position, in the picture, of the pixel with an index.
     pub(crate) fn place(&self, index: usize) -> [u32; 2] {
         let [x0, y0, x1, _] = self.area;

@@ -92,6 +92,11 @@ impl<'a> PathFilm<'a> {
         }
     }
 
+    /// Bytes of memory for each pixel, [`film`](Self::film) and layers apart.
+    pub fn pixel_bytes(split_light: bool) -> u64 {
+        Band::pixel_bytes(split_light)
+    }
+
     /// Sets the luminance that is shown as white, 1 by default: a tenth of it is what the noise of dark pixels is compared with.
     pub fn set_white(&mut self, white: f32) {
         self.white = white;
