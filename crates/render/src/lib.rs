@@ -86,7 +86,7 @@ mod validate;
 mod validate_parts;
 mod whitted;
 
-pub use aov::render_aovs;
+pub use aov::{Aov, render_aovs};
 pub use bsdf::{
     Bsdf, BsdfSample, albedo_ggx, eval_diffuse, eval_ggx, eval_ggx_transmission, pdf_diffuse,
     pdf_ggx, pdf_ggx_transmission, refracting_half, sample_diffuse, sample_ggx,
@@ -101,7 +101,7 @@ pub use environment::Environment;
 pub use film::{Film, SamplingReport, Stats, StopReason};
 pub use fresnel::{fresnel_dielectric, fresnel_schlick, normal_reflectance, reflect, refract};
 pub use ids::{InstanceId, MaterialId, MeshId, SurfaceId, TextureId};
-pub use image::{Aov, Image, Layer};
+pub use image::{Image, Layer};
 pub use light::{DirectionalLight, Light, LightSample, PointLight, SpotLight};
 pub use light_sampling::{
     DirectionSample, pdf_disk, pdf_rectangle, pdf_sphere, pdf_triangle, sample_concentric,

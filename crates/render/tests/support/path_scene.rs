@@ -1,6 +1,6 @@
 //! Small scenes for path tracing: a room with a lamp, and a lamp above a plane.
 
-use super::{add_surface, eye, matte, sky};
+use super::{add_surface, matte, sky};
 use umbriel_render::{
     Camera, Material, Method, Sampling, Scene, Settings,
     kernels::{Disk, Rectangle, Sphere, Surface, glam::Vec3},
@@ -40,7 +40,7 @@ pub(crate) fn room() -> Scene {
     add_surface(&mut scene, ball(Vec3::new(-0.45, -0.65, 0.3), 0.35), glass);
     let metal = Material {
         metallic: 1.0,
-        roughness: 0.3,
+        roughness: 0.6,
         base_color: Vec3::new(0.9, 0.7, 0.4),
         ..Material::default()
     };
@@ -54,7 +54,7 @@ pub(crate) fn room_eye() -> Camera {
     Camera::look_at("eye", Vec3::new(0.0, 0.0, 3.6), Vec3::ZERO, Vec3::Y, 0.75)
 }
 
-/// A plane that a small lamp lights, half of it in the soft shadow of a disk; the rest of the picture is a quiet sky.
+/// A plane that a lamp outside of the picture lights, half of it in the soft shadow of a disk; the rest is a quiet sky.
 pub(crate) fn half_noisy() -> (Scene, Camera) {
     let mut scene = Scene {
         environment: sky(Vec3::splat(0.3)),
@@ -72,11 +72,9 @@ pub(crate) fn half_noisy() -> (Scene, Camera) {
         emission: Vec3::splat(30.0),
         ..matte(Vec3::ZERO)
     };
-    add_surface(&mut scene, ball(Vec3::new(0.0, 2.2, 0.0), 0.3), lamp);
-    (
-        scene,
-        eye(Vec3::new(0.0, 3.0, 5.0), Vec3::new(0.0, 0.5, 0.0)),
-    )
+    add_surface(&mut scene, ball(Vec3::new(0.0, 3.0, 0.0), 0.4), lamp);
+    let (from, to) = (Vec3::new(0.0, 3.0, 5.0), Vec3::new(0.0, 0.2, 0.0));
+    (scene, Camera::look_at("eye", from, to, Vec3::Y, 0.7))
 }
 
 /// Paths of `spp` samples in a small picture.
