@@ -203,7 +203,8 @@ fn trace(
     camera: &Camera,
     (maps, show): (Option<&ShadowMaps>, Option<&ShowPlan>),
 ) -> ShownFilm {
-    let progress = Progress::new(job.args.quiet);
+    let by_pixels = job.plan.settings.method != Method::Path;
+    let progress = Progress::new(job.args.quiet, by_pixels);
     let control = Control {
         stop: &STOP,
         progress: &|done, total| progress.update(done, total),

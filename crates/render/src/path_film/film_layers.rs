@@ -1,7 +1,7 @@
 //! What a growing picture holds: the film so far, its layers and what it took.
 
 use super::{PathFilm, band::Band};
-use crate::{Aov, Film, Image, Layer, SamplingReport, Stats, StopReason};
+use crate::{Aov, Film, Image, Layer, SamplingReport, Stats, StopReason, exact_sum::ExactSum};
 
 impl PathFilm<'_> {
     /// The picture so far; pixels without a sample are empty (alpha 0).
@@ -94,7 +94,7 @@ impl PathFilm<'_> {
 
 fn value(aov: Aov, band: &Band, index: usize) -> [f32; 3] {
     let sums = &band.pixels[index];
-    let mean = |light: [crate::exact_sum::ExactSum; 3]| light.map(|sum| sum.mean(sums.samples));
+    let mean = |light: [ExactSum; 3]| light.map(|sum| sum.mean(sums.samples));
     let direct = band.direct.get(index);
     match (aov, direct) {
         (Aov::Direct, Some(direct)) => mean(*direct),

@@ -1,9 +1,8 @@
 //! A pass of samples over a band.
 
 use super::band::Band;
-use std::ops::Range;
-
 use crate::{CameraFrame, Stats, path::PathTracer, sample_light::SampleLight};
+use std::ops::Range;
 
 /// Paths in flight at once.
 const PATHS: usize = 4096;
