@@ -16,7 +16,9 @@ pub struct Film {
 /// How many samples a picture by passes took, and why no more.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SamplingReport {
-    /// Samples a pixel: their mean,
+    /// Samples a pixel that were traced, those that only judged their neighbours included.
+    pub traced: f64,
+    /// Samples a pixel in the picture: their mean,
     pub mean: f64,
     /// least
     pub least: u32,

@@ -78,7 +78,7 @@ pub struct Settings {
     pub seed: u64,
     /// Seconds after which paths end, above 0; each pixel gets one sample at least. `None` is no limit.
     pub time: Option<f64>,
-    /// Noise below which paths end, block by block of 8x8 pixels, above 0: the root mean square, over a block's pixels, of the standard error
+    /// Noise below which paths end, block by block of 16x16 pixels, above 0: the root mean square, over a block's pixels, of the standard error
     /// of the luminance, relative to the luminance, of dark pixels to a tenth of white. With 0.03 the mean square error relative to
     /// the picture (relMSE) is about 0.001. `None` is the same number of samples everywhere.
     pub noise: Option<f32>,

@@ -3,14 +3,14 @@
 mod support;
 
 use std::sync::atomic::AtomicBool;
-use support::path_scene::{half_noisy, paths};
+use support::path_scene::{half_noisy, paths, room, room_eye};
 use umbriel_render::{Camera, Control, PathFilm, SamplingReport, Scene, SceneBvh, Settings};
 
-const SIZE: [u32; 2] = [48, 40];
+const SIZE: [u32; 2] = [64, 48];
 /// A tenth of white.
 const DARK: f64 = 0.1;
-/// Of which parts of the picture have more noise after 16 samples.
-const GOAL: f32 = 0.02;
+/// Of which parts of the picture have more noise after 32 samples.
+const GOAL: f32 = 0.01;
 
 /// Luminance of the pixels, and what it took.
 fn picture(scene: &Scene, camera: &Camera, settings: &Settings) -> (Vec<f64>, SamplingReport) {
@@ -28,13 +28,6 @@ fn picture(scene: &Scene, camera: &Camera, settings: &Settings) -> (Vec<f64>, Sa
     (pixels, film.report())
 }
 
-fn adaptive(seed: u64) -> Settings {
-    Settings {
-        noise: Some(GOAL),
-        ..paths(SIZE, 1024, seed)
-    }
-}
-
 /// Mean square error relative to the reference, as the noise is defined.
 fn error(pixels: &[f64], reference: &[f64]) -> f64 {
     let squares = pixels
@@ -48,20 +41,43 @@ fn error(pixels: &[f64], reference: &[f64]) -> f64 {
 #[test]
 fn adaptive_is_not_worse_than_uniform() {
     let (scene, camera) = half_noisy();
-    let (reference, _) = picture(&scene, &camera, &paths(SIZE, 2048, 99));
-    let (mut stated, mut ours, mut uniform) = (0.0, 0.0, 0.0);
+    let gain = compare(&scene, &camera, GOAL);
+    assert!(gain > 1.0, "{gain}");
+}
+
+/// Where rare bright paths are everywhere there is nothing to win: equal noise takes as many samples as equal numbers do for the same error. What
+/// is lost by wrong judgements is within the chance of so few pictures.
+#[test]
+fn adaptive_loses_nothing_where_all_is_noisy() {
+    let mut scene = room();
+    scene.instances.remove(6);
+    let gain = compare(&scene, &room_eye(), 0.08);
+    assert!(gain > 0.85, "{gain}");
+}
+
+/// The error of uniform pictures over that of adaptive ones with as many samples.
+fn compare(scene: &Scene, camera: &Camera, goal: f32) -> f64 {
+    let (reference, _) = picture(scene, camera, &paths(SIZE, 2048, 99));
+    let (mut stated, mut ours, mut uniform, mut traced) = (0.0, 0.0, 0.0, 0.0);
     for seed in 0..4 {
-        let (pixels, report) = picture(&scene, &camera, &adaptive(seed));
+        let adaptive = Settings {
+            noise: Some(goal),
+            ..paths(SIZE, 1024, seed)
+        };
+        let (pixels, report) = picture(scene, camera, &adaptive);
         assert!(report.least < report.most, "{report:?}");
-        assert!(report.noise <= 1.1 * GOAL, "{report:?}");
+        assert!(report.noise <= 1.1 * goal, "{report:?}");
         stated += f64::from(report.noise).powi(2) / 4.0;
         ours += error(&pixels, &reference) / 4.0;
-        let spp = report.mean.ceil() as u32;
-        let (pixels, _) = picture(&scene, &camera, &paths(SIZE, spp, seed + 50));
+        traced += report.traced / 4.0;
+        let spp = report.traced.ceil() as u32;
+        let (pixels, _) = picture(scene, camera, &paths(SIZE, spp, seed + 50));
         uniform += error(&pixels, &reference) / 4.0;
     }
-    assert!(ours <= uniform, "{ours} {uniform}");
-    assert!((0.8..4.0).contains(&(stated / ours)), "{stated} {ours}");
+    let honest = stated / ours;
+    eprintln!("traced {traced:.1}, stated {stated:.3e}, ours {ours:.3e}, uniform {uniform:.3e}");
+    assert!((0.8..4.0).contains(&honest), "{stated} {ours}");
+    uniform / ours
 }
 
 /// The mean of many adaptive pictures is the mean of many uniform ones, within four standard errors of their difference: over the whole picture,

@@ -173,7 +173,7 @@ pub(crate) struct LimitArgs {
     /// End the method path after SECONDS of rendering, but not before each pixel has a sample; without --spp at most 65536 a pixel
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     pub(crate) time: Option<f64>,
-    /// End the method path where blocks of 8x8 pixels have less noise: standard error of the luminance, relative to it, as in 0.03;
+    /// End the method path where blocks of 16x16 pixels have less noise: standard error of the luminance, relative to it, as in 0.03;
     /// without --spp at most 65536 samples a pixel
     #[arg(long, value_name = "NOISE", value_parser = parse_noise, allow_negative_numbers = true)]
     pub(crate) noise: Option<f32>,

@@ -286,6 +286,7 @@ fn used_samples(report: &SamplingReport) -> String {
 /// What a picture by passes took, for programs.
 fn used_json(report: &SamplingReport) -> Value {
     json!({
+        "traced_spp": report.traced,
         "spp": report.mean,
         "least_spp": report.least,
         "most_spp": report.most,

@@ -1,11 +1,12 @@
-//! Eight rows of a film: sums of samples, and which blocks need no more.
+//! Some rows of a film: sums of samples, and which blocks need no more.
 
 use super::batches::Batches;
 use crate::{LUMINANCE, exact_sum::ExactSum, sample_light::SampleLight};
 use umbriel_kernels::glam::Vec3;
 
-/// Pixels along one side of a block, which stops as a whole; and rows of a band.
-pub(crate) const BLOCK: u32 = 8;
+/// Pixels along one side of a block, which stops as a whole; and rows of a band. With smaller ones the noise of rare bright paths is judged so
+/// badly that pixels of the same noise get very different numbers of samples, which is worse than the same number for all.
+pub(crate) const BLOCK: u32 = 16;
 /// The share of white that dark pixels are compared with.
 const DARK: f32 = 0.1;
 

@@ -73,16 +73,18 @@ impl PathFilm<'_> {
     /// What the picture has taken so far.
     pub fn report(&self) -> SamplingReport {
         let (mut least, mut most, mut samples) = (u32::MAX, 0, 0);
-        let (mut noise, mut pixels) = (0.0, 0_u64);
+        let (mut noise, mut pixels, mut traced) = (0.0, 0_u64, 0);
         self.for_each_pixel(|_, band, index| {
             let count = band.pixels[index].samples;
             (least, most) = (least.min(count), most.max(count));
             samples += u64::from(count);
+            traced += u64::from(band.batches[index].count);
             pixels += 1;
             noise += f64::from(band.noise_square(index, count, self.white));
         });
         let pixels = pixels.max(1) as f64;
         SamplingReport {
+            traced: traced as f64 / pixels,
             mean: samples as f64 / pixels,
             least: least.min(most),
             most,

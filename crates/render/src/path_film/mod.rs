@@ -26,7 +26,7 @@ pub const MOST_SAMPLES: u32 = 65_536;
 /// Samples of a pass over the whole picture, about; at least one a pixel.
 const PASS_SAMPLES: u32 = 1 << 22;
 /// Samples a pixel before its noise is judged for the first time.
-const FIRST_JUDGEMENT: u32 = 16;
+const FIRST_JUDGEMENT: u32 = 32;
 
 /// A picture by [`Method::Path`](crate::Method::Path) that can be looked at, saved or left after every pass.
 ///
@@ -238,7 +238,7 @@ fn most_samples(settings: &Settings) -> u32 {
     }
 }
 
-/// The least number of samples above `samples` after which noise is judged: 16, 24, 32, 48, 64, 96 ...
+/// The least number of samples above `samples` after which noise is judged: 32, 48, 64, 96 ...
 fn next_judgement(samples: u32) -> u32 {
     if samples < FIRST_JUDGEMENT {
         return FIRST_JUDGEMENT;
