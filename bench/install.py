@@ -12,6 +12,8 @@ from measure import ROOT, say
 
 FOLDER = ROOT / "bench/.peers"
 MITSUBA = "mitsuba==3.9.1"
+# Blender as a module; each version is for one version of Python.
+CYCLES = "bpy==5.0.1"
 # Carries Embree 4.4.0 as a shared library.
 EMBREE = "embreex==4.4.0.post1"
 # OpenGL and Vulkan for Python; pictures.
@@ -64,6 +66,15 @@ def python_with(name, modules, packages):
 def mitsuba():
     """The Python that has Mitsuba 3."""
     return python_with("mitsuba", "mitsuba", [MITSUBA, "numpy"])
+
+
+def cycles():
+    """The Python that has Cycles, or None, and a word about it, where PyPI has none for this Python."""
+    try:
+        return python_with("cycles", "bpy", [CYCLES])
+    except Missing as error:
+        say(f"{error}\n{CYCLES} is for Python 3.11; without it Cycles is left out")
+        return None
 
 
 def rasterisers():

@@ -9,6 +9,38 @@ pub struct Film {
     pub image: Image,
     /// Counters.
     pub stats: Stats,
+    /// What a picture by passes of samples took; `None` for the others.
+    pub sampling: Option<SamplingReport>,
+}
+
+/// How many samples a picture by passes took, and why no more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SamplingReport {
+    /// Samples a pixel that were traced, those that only judged their neighbours included.
+    pub traced: f64,
+    /// Samples a pixel in the picture: their mean,
+    pub mean: f64,
+    /// least
+    pub least: u32,
+    /// and greatest number.
+    pub most: u32,
+    /// Root mean square, over the pixels, of the estimated standard error of the luminance, relative as in [`Settings::noise`](crate::Settings::noise).
+    pub noise: f32,
+    /// Why the picture ended; `None` while it goes on.
+    pub reason: Option<StopReason>,
+}
+
+/// Which limit a picture reached first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StopReason {
+    /// The number of samples.
+    Samples,
+    /// The time.
+    Time,
+    /// The noise.
+    Noise,
+    /// [`Control::stop`](crate::Control::stop).
+    Interrupt,
 }
 
 /// Counters of a render.

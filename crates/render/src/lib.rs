@@ -7,6 +7,7 @@
 //! | topic | function | source |
 //! |---|---|---|
 //! | ray casting, Whitted's ray tracing, shadow mapping | [`render()`] with a [`Method`] | Appel 1968; Whitted 1980; Williams 1978 |
+//! | when a picture of samples stops | [`PathFilm`] | Schmeiser 1982 (its noise); Kirk & Arvo 1991 (bias) |
 //! | adaptive anti-aliasing | [`Sampling::Adaptive`] | Whitted 1980; Mitchell 1987 |
 //! | pinhole camera: rays, projection | [`CameraFrame::ray`], [`Camera::view_projection`] | |
 //! | a hit becomes a point of a surface | [`surface_interaction`] | Pharr, Jakob & Humphreys 2023 (error bounds) |
@@ -42,7 +43,9 @@ mod camera;
 mod color;
 mod compare;
 mod direct;
+mod emitters;
 mod environment;
+mod exact_sum;
 mod eye_lanes;
 mod eye_raster;
 mod eye_solid;
@@ -52,13 +55,18 @@ mod hit_groups;
 mod ids;
 mod image;
 mod light;
+mod light_sampling;
+mod light_tree;
 mod material;
 mod mesh;
 mod mesh_lanes;
 mod mesh_point;
+mod path;
+mod path_film;
 mod raster_tiles;
 mod ray_cast;
 mod render;
+mod sample_light;
 mod sampler;
 mod scene;
 mod scene_bvh;
@@ -68,6 +76,7 @@ mod shade_block;
 mod shadow_map;
 mod shadow_rays;
 mod show;
+mod sobol;
 mod srgb;
 mod surface;
 mod surface_lanes;
@@ -78,20 +87,29 @@ mod validate;
 mod validate_parts;
 mod whitted;
 
-pub use aov::render_aovs;
-pub use bsdf::{Bsdf, albedo_ggx, eval_diffuse, eval_ggx};
+pub use aov::{Aov, render_aovs};
+pub use bsdf::{
+    Bsdf, BsdfSample, albedo_ggx, eval_diffuse, eval_ggx, eval_ggx_transmission, pdf_diffuse,
+    pdf_ggx, pdf_ggx_transmission, refracting_half, sample_diffuse, sample_ggx,
+};
 pub use camera::{Camera, CameraFrame, Projection};
 pub use color::{Development, LUMINANCE, Tonemap, auto_exposure, develop};
 pub use compare::{Comparison, compare, difference_picture};
 pub use direct::Visibility;
 pub use environment::Environment;
-pub use film::{Film, Stats};
+pub use film::{Film, SamplingReport, Stats, StopReason};
 pub use fresnel::{fresnel_dielectric, fresnel_schlick, normal_reflectance, reflect, refract};
 pub use ids::{InstanceId, MaterialId, MeshId, SurfaceId, TextureId};
-pub use image::{Aov, Image, Layer};
+pub use image::{Image, Layer};
 pub use light::{DirectionalLight, Light, LightSample, PointLight, SpotLight};
+pub use light_sampling::{
+    DirectionSample, pdf_disk, pdf_rectangle, pdf_sphere, pdf_triangle, sample_concentric,
+    sample_disk, sample_rectangle, sample_sphere, sample_triangle,
+};
+pub use light_tree::{LightBounds, LightTree};
 pub use material::{AlphaMode, Material, TextureRef};
 pub use mesh::Mesh;
+pub use path_film::{MOST_SAMPLES, PathFilm};
 pub use render::{Control, build_needed_trees, render, render_bytes_into, render_with_maps};
 pub use sampler::sample_pixel;
 pub use scene::{Geometry, Instance, Scene};
@@ -103,6 +121,7 @@ pub use shadow_map::{
 };
 pub use shadow_rays::ShadowRays;
 pub use show::{Fact, Show, ShowContext, Shown, show};
+pub use sobol::PixelSampler;
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use surface::{SurfaceInteraction, surface_interaction};
 pub use texture::{Checker, Encoding, Filter, ImageTexture, Texture, Wrap};

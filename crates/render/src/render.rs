@@ -2,7 +2,7 @@
 
 use crate::{
     AlphaMode, Camera, CameraFrame, Development, Film, Image, Method, Sampling, Scene, SceneBvh,
-    Settings, ShadowMaps, Stats, adaptive, develop, eye_raster, raster_tiles,
+    Settings, ShadowMaps, Stats, adaptive, develop, eye_raster, path_film, raster_tiles,
     sampler::sample_pixel, scene_draws::are_told_apart, trace::Tracer,
 };
 use rayon::prelude::*;
@@ -69,6 +69,9 @@ pub fn render_with_maps(
     maps: Option<&ShadowMaps>,
     control: &Control,
 ) -> Film {
+    if settings.method == Method::Path {
+        return path_film::render(bvh, camera, settings, control);
+    }
     let job = Job::new(camera, settings, control);
     let raster_spp = raster_samples(bvh, camera, settings);
     prepare(bvh, raster_spp);
@@ -84,7 +87,11 @@ pub fn render_with_maps(
         height,
         pixels,
     };
-    Film { image, stats }
+    Film {
+        image,
+        stats,
+        sampling: None,
+    }
 }
 
 /// [`render_with_maps`] and [`develop`](crate::develop) in one, into the memory of a former picture, without a film where none is needed: pictures of

@@ -136,7 +136,7 @@ impl ShadeBlock {
                     ray_cast::shade(&scene.environment, &mut self.surfaces, &mut self.ambient);
                     true
                 }
-                Method::Whitted => {
+                Method::Whitted | Method::Path => {
                     whitted::ambient(&scene.environment, &self.surfaces, &mut self.ambient)
                 }
             };

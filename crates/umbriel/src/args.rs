@@ -3,8 +3,8 @@
 use crate::show::{ShowList, parse_show};
 use crate::values::{
     Exposure, Resolution, parse_aovs, parse_crop, parse_definition, parse_exposure, parse_fov,
-    parse_light_size, parse_map_side, parse_resolution, parse_threshold, parse_tolerance,
-    parse_vector,
+    parse_light_size, parse_map_side, parse_noise, parse_resolution, parse_seconds,
+    parse_threshold, parse_tolerance, parse_vector,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
 use std::path::PathBuf;
@@ -83,12 +83,14 @@ pub(crate) struct RenderArgs {
     /// Algorithm [default: whitted]
     #[arg(short, long, value_enum)]
     pub(crate) method: Option<MethodName>,
-    /// Samples a pixel [default: 1; 4 for models]
+    /// Samples a pixel, with --time or --noise at most [default: 1; 4 for models; 64 for the method path]
     #[arg(short, long, value_name = "N", value_parser = value_parser!(u32).range(1..=65_536), conflicts_with = "adaptive")]
     pub(crate) spp: Option<u32>,
     /// Divide pixels whose corners differ by more than THRESHOLD (0 to 1)
     #[arg(long, value_name = "THRESHOLD", num_args = 0..=1, require_equals = true, default_missing_value = "0.1", value_parser = parse_threshold)]
     pub(crate) adaptive: Option<f32>,
+    #[command(flatten)]
+    pub(crate) limits: LimitArgs,
     /// Greatest number of mirrored or refracted rays one after the other [default: 8]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(0..=64))]
     pub(crate) depth: Option<u32>,
@@ -123,7 +125,7 @@ pub(crate) struct RenderArgs {
     #[arg(long, value_enum)]
     pub(crate) tonemap: Option<TonemapName>,
     /// Layers to write beside the picture into an EXR file: depth, normal, position, albedo, instance,
-    /// primitive, material; or all
+    /// primitive, material; of the method path also direct, indirect, sample-count, variance; or all
     #[arg(long, value_name = "LIST|all", value_parser = parse_aovs)]
     pub(crate) aov: Option<AovList>,
     /// Explain shadow mapping by a picture: lit, light-view, light-depth, compare, map-texels or shadowed; by all on one labelled
@@ -163,6 +165,21 @@ pub(crate) struct RenderArgs {
     /// Fail when the picture exists already
     #[arg(long)]
     pub(crate) no_clobber: bool,
+}
+
+/// When a picture by the method path ends: at the first limit that it reaches.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct LimitArgs {
+    /// End the method path after SECONDS of rendering, but not before each pixel has a sample; without --spp at most 65536 a pixel
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
+    pub(crate) time: Option<f64>,
+    /// End the method path where blocks of 16x16 pixels have less noise: standard error of the luminance, relative to it, as in 0.03;
+    /// without --spp at most 65536 samples a pixel
+    #[arg(long, value_name = "NOISE", value_parser = parse_noise, allow_negative_numbers = true)]
+    pub(crate) noise: Option<f32>,
+    /// Save the picture so far every SECONDS while the method path renders
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
+    pub(crate) save_every: Option<f64>,
 }
 
 /// How the method shadow-map makes and reads the maps of all lights.
@@ -238,6 +255,8 @@ pub(crate) enum MethodName {
     RayCast,
     /// Mirrored and refracted rays (Whitted 1980)
     Whitted,
+    /// Rays that go on at random, from surface to surface (Kajiya 1986)
+    Path,
     /// Depth images from the lights tell what is lit (Williams 1978)
     ShadowMap,
 }
@@ -247,6 +266,7 @@ impl From<MethodName> for Method {
         match name {
             MethodName::RayCast => Self::RayCast,
             MethodName::Whitted => Self::Whitted,
+            MethodName::Path => Self::Path,
             MethodName::ShadowMap => Self::ShadowMap,
         }
     }

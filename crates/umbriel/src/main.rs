@@ -5,6 +5,7 @@ mod camera;
 mod completions;
 mod diff;
 mod errors;
+mod growing;
 mod info;
 mod interrupt;
 mod output;

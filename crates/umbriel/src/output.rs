@@ -12,21 +12,24 @@ use crate::{
 };
 use umbriel_formats::{
     ExrInfo, encode_exr, encode_png,
-    render::{Light, Method, Sampling, auto_exposure, develop},
+    render::{Light, Method, Sampling, Settings, auto_exposure, develop},
     write_file,
 };
 
+/// What is written, and where.
+pub(crate) struct Job<'a> {
+    pub(crate) args: &'a RenderArgs,
+    pub(crate) plan: &'a Plan,
+    pub(crate) lights: &'a [Light],
+    pub(crate) target: Target,
+}
+
 /// Writes the picture and says with which exposure in stops; EXR files hold light as it is.
-pub(crate) fn write_picture(
-    args: &RenderArgs,
-    plan: &Plan,
-    lights: &[Light],
-    target: Target,
-    shown: &ShownFilm,
-) -> Result<f32, Failure> {
+pub(crate) fn write_picture(job: &Job, shown: &ShownFilm) -> Result<f32, Failure> {
+    let Job { args, plan, .. } = job;
     let image = &shown.film.image;
-    if target == Target::Exr {
-        let comments = comments(args, plan, lights);
+    if job.target == Target::Exr {
+        let comments = comments(args, plan, job.lights);
         let info = ExrInfo {
             window: plan.settings.crop,
             software: concat!("umbriel ", env!("CARGO_PKG_VERSION")),
@@ -50,7 +53,7 @@ pub(crate) fn write_picture(
             encode_png(image.width, image.height, &pixels)
         }
     };
-    match target {
+    match job.target {
         Target::Stdout => print_bytes(&bytes)?,
         Target::Png | Target::Exr => write_file(&args.output, &bytes)?,
     }
@@ -62,7 +65,7 @@ fn comments(args: &RenderArgs, plan: &Plan, lights: &[Light]) -> String {
     let scene = args.scene.file_name().unwrap_or_default().to_string_lossy();
     let (method, samples) = (
         method_name(plan.settings.method),
-        sampling_name(plan.settings.sampling),
+        sampling_name(&plan.settings),
     );
     let seed = plan.settings.seed;
     let mut comments = format!("scene={scene}; method={method}; samples={samples}; seed={seed}");
@@ -77,14 +80,22 @@ pub(crate) fn method_name(method: Method) -> &'static str {
     match method {
         Method::RayCast => "ray-cast",
         Method::Whitted => "whitted",
+        Method::Path => "path",
         Method::ShadowMap => "shadow-map",
     }
 }
 
-/// The sampling in words.
-pub(crate) fn sampling_name(sampling: Sampling) -> String {
-    match sampling {
+/// The sampling as asked for, in words.
+pub(crate) fn sampling_name(settings: &Settings) -> String {
+    let most = match settings.sampling {
         Sampling::Fixed { spp } => format!("{spp} spp"),
-        Sampling::Adaptive { threshold, .. } => format!("adaptive {threshold}"),
-    }
+        Sampling::Adaptive { threshold, .. } => return format!("adaptive {threshold}"),
+    };
+    let noise = settings.noise.map(|noise| format!("noise {noise}"));
+    let time = settings.time.map(|time| format!("{time} s"));
+    [Some(most), noise, time]
+        .into_iter()
+        .flatten()
+        .collect::<Vec<_>>()
+        .join(" or ")
 }

@@ -3,13 +3,14 @@
 use crate::{
     args::RenderArgs,
     errors::{Exit, Failure},
+    info::is_model,
     shadow_maps::choose_shadow_maps,
     values::{Exposure, Resolution},
 };
 use std::{fs, path::Path};
 use umbriel_formats::{
     FileError, Loaded, MAX_PIXELS, MAX_SIDE, SceneSettings, check_output,
-    render::{Method, Sampling, Settings, Tonemap},
+    render::{Aov, MOST_SAMPLES, Method, PathFilm, Sampling, Settings, Tonemap},
 };
 
 /// Where the picture goes and as what.
@@ -27,10 +28,14 @@ pub(crate) struct Plan {
     pub(crate) settings: Settings,
     pub(crate) exposure: Exposure,
     pub(crate) tonemap: Tonemap,
+    /// Layers to write beside the picture.
+    pub(crate) aovs: Vec<Aov>,
 }
 
 /// How often a pixel is divided unless the scene says otherwise.
 const LEVELS: u32 = 3;
+/// Samples a pixel of path tracing unless something else ends it.
+const PATH_SPP: u32 = 64;
 
 /// Finds out what to write, and refuses what cannot be written, before the scene is read.
 pub(crate) fn check_target(args: &RenderArgs) -> Result<Target, Failure> {
@@ -38,6 +43,11 @@ pub(crate) fn check_target(args: &RenderArgs) -> Result<Target, Failure> {
     if target == Target::Stdout && args.json {
         return Err(Failure::usage(
             "--json and --output - both want standard output; expected a file",
+        ));
+    }
+    if args.limits.save_every.is_some() && target == Target::Stdout {
+        return Err(Failure::usage(
+            "--save-every: standard output takes one picture; expected a file as --output",
         ));
     }
     if args.aov.is_some() && target != Target::Exr {
@@ -90,11 +100,16 @@ pub(crate) fn make_plan(
     let size = resolution(args.resolution, own)?;
     check_crop(args.crop, size)?;
     let shadow_maps = choose_shadow_maps(&args.shadow_maps, loaded)?;
+    let method = method(args, scene);
+    check_method(args, method)?;
+    let aovs = choose_aovs(args, method)?;
     Ok(Plan {
         settings: Settings {
             shadow_maps,
+            split_light: aovs.contains(&Aov::Direct) || aovs.contains(&Aov::Indirect),
             ..settings(args, scene, size)
         },
+        aovs,
         exposure: args
             .exposure
             .or(scene.exposure.map(Exposure::Stops))
@@ -110,15 +125,12 @@ pub(crate) fn make_plan(
 fn settings(args: &RenderArgs, scene: &SceneSettings, size: [u32; 2]) -> Settings {
     let base = Settings::default();
     Settings {
-        method: args
-            .method
-            .map(Into::into)
-            .or(args.show.is_some().then_some(Method::ShadowMap))
-            .or(scene.method)
-            .unwrap_or(base.method),
+        method: method(args, scene),
         resolution: size,
         crop: args.crop,
         sampling: sampling(args, scene).unwrap_or(base.sampling),
+        time: args.limits.time,
+        noise: args.limits.noise,
         depth: args.depth.or(scene.depth).unwrap_or(base.depth),
         min_weight: scene.min_weight.unwrap_or(base.min_weight),
         shadows: !args.no_shadows && scene.shadows.unwrap_or(base.shadows),
@@ -129,6 +141,47 @@ fn settings(args: &RenderArgs, scene: &SceneSettings, size: [u32; 2]) -> Setting
             .unwrap_or(base.glass_shadows),
         seed: args.seed.or(scene.seed).unwrap_or(base.seed),
         ..base
+    }
+}
+
+fn method(args: &RenderArgs, scene: &SceneSettings) -> Method {
+    args.method
+        .map(Into::into)
+        .or(args.show.is_some().then_some(Method::ShadowMap))
+        .or(scene.method)
+        .unwrap_or_default()
+}
+
+/// Refuses what the method does not know.
+fn check_method(args: &RenderArgs, method: Method) -> Result<(), Failure> {
+    let limits = &args.limits;
+    let grows = [
+        ("--time", limits.time.is_some()),
+        ("--noise", limits.noise.is_some()),
+        ("--save-every", limits.save_every.is_some()),
+    ];
+    let given = grows.iter().find(|(_, given)| *given);
+    match (method, given) {
+        (Method::Path, _) if args.adaptive.is_some() => Err(Failure::usage(
+            "--adaptive divides the pixels of the other methods; expected --noise with --method path",
+        )),
+        (Method::Path, _) | (_, None) => Ok(()),
+        (_, Some((option, _))) => Err(Failure::usage(format!(
+            "{option} is about pictures that grow by passes of samples; expected --method path"
+        ))),
+    }
+}
+
+/// The layers asked for; `all` are those that the method has.
+fn choose_aovs(args: &RenderArgs, method: Method) -> Result<Vec<Aov>, Failure> {
+    let asked = args.aov.as_deref().unwrap_or_default();
+    let has = |aov: &Aov| method == Method::Path || !aov.is_of_samples();
+    match asked.iter().find(|aov| !has(aov)) {
+        Some(aov) if asked.len() < Aov::ALL.len() => Err(Failure::usage(format!(
+            "--aov: {} comes from samples of paths; expected --method path",
+            aov.name()
+        ))),
+        _ => Ok(asked.iter().copied().filter(has).collect()),
     }
 }
 
@@ -146,6 +199,11 @@ fn sampling(args: &RenderArgs, scene: &SceneSettings) -> Option<Sampling> {
     if let Some(spp) = args.spp {
         return Some(Sampling::Fixed { spp });
     }
+    if method(args, scene) == Method::Path {
+        return Some(Sampling::Fixed {
+            spp: path_samples(args, scene),
+        });
+    }
     let Some(threshold) = args.adaptive else {
         return scene.sampling;
     };
@@ -154,6 +212,18 @@ fn sampling(args: &RenderArgs, scene: &SceneSettings) -> Option<Sampling> {
         _ => LEVELS,
     };
     Some(Sampling::Adaptive { threshold, levels })
+}
+
+/// Samples a pixel of paths: those of a scene file, unless something else is to end them.
+fn path_samples(args: &RenderArgs, scene: &SceneSettings) -> u32 {
+    if args.limits.time.is_some() || args.limits.noise.is_some() {
+        return MOST_SAMPLES;
+    }
+    match scene.sampling {
+        // Models have no settings of their own.
+        Some(Sampling::Fixed { spp }) if !is_model(&args.scene) => spp,
+        _ => PATH_SPP,
+    }
 }
 
 fn resolution(asked: Option<Resolution>, own: [u32; 2]) -> Result<[u32; 2], Failure> {
@@ -181,10 +251,23 @@ fn resolution(asked: Option<Resolution>, own: [u32; 2]) -> Result<[u32; 2], Fail
 const PIXEL_BYTES: u64 = 16 + 4 + 4;
 
 /// Refuses a picture that does not fit into the memory.
-///
-/// `channels` are those of an EXR file beside the film: each exists as layer and in the encoder.
-pub(crate) fn check_memory([width, height]: [u32; 2], channels: u64) -> Result<(), Failure> {
-    let bytes = u64::from(width) * u64::from(height) * (PIXEL_BYTES + 8 * channels);
+pub(crate) fn check_memory(
+    plan: &Plan,
+    shown_channels: u64,
+    target: Target,
+) -> Result<(), Failure> {
+    let [width, height] = plan.settings.resolution;
+    let layers: usize = plan.aovs.iter().map(|aov| aov.channels().len()).sum();
+    // Each channel of an EXR file exists as layer and in the encoder.
+    let channels = match target {
+        Target::Exr => 4 + layers as u64 + shown_channels,
+        Target::Png | Target::Stdout => 0,
+    };
+    let samples = match plan.settings.method {
+        Method::Path => PathFilm::pixel_bytes(plan.settings.split_light),
+        _ => 0,
+    };
+    let bytes = u64::from(width) * u64::from(height) * (PIXEL_BYTES + 8 * channels + samples);
     check_free(bytes, &format!("a picture of {width}x{height} takes"))
 }
 

@@ -20,6 +20,8 @@ const LINES_AFTER: Duration = Duration::from_secs(1);
 pub(crate) struct Progress {
     start: Instant,
     style: Style,
+    /// Whether pixels are finished one after the other, so that their rate means something.
+    by_pixels: bool,
 }
 
 enum Style {
@@ -30,7 +32,7 @@ enum Style {
 }
 
 impl Progress {
-    pub(crate) fn new(quiet: bool) -> Self {
+    pub(crate) fn new(quiet: bool, by_pixels: bool) -> Self {
         let style = match (quiet, stderr().is_terminal()) {
             (true, _) => Style::Silent,
             (false, true) => Style::Bar(OnceLock::new()),
@@ -39,6 +41,7 @@ impl Progress {
         Self {
             start: Instant::now(),
             style,
+            by_pixels,
         }
     }
 
@@ -65,9 +68,11 @@ impl Progress {
     }
 
     fn new_bar(&self, total: u64) -> ProgressBar {
-        let style = ProgressStyle::with_template(
-            "{percent:>3}% [{bar:40}] {human_pos} px, {per_sec}, {eta} left",
-        );
+        let style = ProgressStyle::with_template(if self.by_pixels {
+            "{percent:>3}% [{bar:40}] {human_pos} px, {per_sec}, {eta} left"
+        } else {
+            "{percent:>3}% [{bar:40}] {eta} left"
+        });
         ProgressBar::with_draw_target(Some(total), ProgressDrawTarget::stderr())
             .with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
             .with_elapsed(self.start.elapsed())
@@ -80,11 +85,12 @@ impl Progress {
             let elapsed = self.start.elapsed().as_secs_f64();
             let rate = done as f64 / elapsed;
             let left = (total - done) as f64 / rate;
-            say(&format!(
-                "{}% {:.2} Mpixels/s, {left:.0} s left",
-                10 * tenth,
-                rate / 1e6
-            ));
+            let speed = if self.by_pixels {
+                format!(" {:.2} Mpixels/s", rate / 1e6)
+            } else {
+                String::new()
+            };
+            say(&format!("{}%{speed}, {left:.0} s left", 10 * tenth));
         }
     }
 }

@@ -4,9 +4,10 @@ use crate::{
     args::RenderArgs,
     camera::choose_camera,
     errors::{Exit, Failure},
+    growing,
     info::is_model,
     interrupt::{self, Phase, STOP},
-    output::write_picture,
+    output::{Job, write_picture},
     plan::{Plan, Target, check_memory, check_target, make_plan},
     progress::Progress,
     run::print_line,
@@ -45,7 +46,7 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
     let (loaded, load) = timed(|| pool.install(|| load(args, target)));
     let loaded = loaded?;
     let plan = make_plan(args, &loaded, default_exposure(args, &loaded))?;
-    check_memory(plan.settings.resolution, exr_channels(args, target))?;
+    check_memory(&plan, shown_channels(args), target)?;
     check_shadow_memory(&plan.settings, &loaded.scene.lights)?;
     let camera = choose_camera(&loaded.scene, args)?;
     let show = choose_show(args, target, &plan, &loaded.scene.lights)?;
@@ -56,13 +57,18 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
     let (bvh, build) = timed(|| pool.install(|| build_bvh(args, &loaded.scene, &camera, &plan)));
     let (maps, map_time) = timed(|| pool.install(|| draw_maps(&bvh, &camera, &plan.settings)));
     let pictures = (maps.as_ref(), show.as_ref());
-    let (shown, eye_time) = timed(|| trace(args, &pool, &bvh, &camera, &plan, pictures));
+    let job = Job {
+        args,
+        plan: &plan,
+        lights: &loaded.scene.lights,
+        target,
+    };
+    let (shown, eye_time) = timed(|| trace(&job, &pool, &bvh, &camera, pictures));
     if interrupt::stopped() && shown.film.stats.pixels == 0 {
         return Err(interrupted_early());
     }
     interrupt::enter(Phase::Writing);
-    let (written, write) =
-        timed(|| pool.install(|| write_picture(args, &plan, &loaded.scene.lights, target, &shown)));
+    let (written, write) = timed(|| pool.install(|| write_picture(&job, &shown)));
     interrupt::enter(Phase::Waiting);
 
     let summary = Summary {
@@ -70,6 +76,7 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
         loaded: &loaded,
         plan: &plan,
         stats: shown.film.stats,
+        sampling: shown.film.sampling,
         captions: &shown.captions,
         exposure: written?,
         threads: pool.current_num_threads(),
@@ -86,22 +93,11 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
     report(args, &summary)
 }
 
-/// Channels of the file beside the film; a PNG has none.
-fn exr_channels(args: &RenderArgs, target: Target) -> u64 {
-    let layers: usize = args
-        .aov
-        .iter()
-        .flatten()
-        .map(|aov| aov.channels().len())
-        .sum();
-    let shows = match &args.show {
-        Some(ShowList::Pictures(shows)) => 3 * shows.len(),
+/// Channels of the pictures of `--show` in an EXR file.
+fn shown_channels(args: &RenderArgs) -> u64 {
+    match &args.show {
+        Some(ShowList::Pictures(shows)) => 3 * shows.len() as u64,
         Some(ShowList::Sheet) | None => 0,
-    };
-    if target == Target::Exr {
-        4 + (layers + shows) as u64
-    } else {
-        0
     }
 }
 
@@ -112,7 +108,7 @@ fn report(args: &RenderArgs, summary: &Summary) -> Result<(), Failure> {
     if args.json {
         print_line(&summary.to_json().to_string())?;
     }
-    if summary.unfinished() > 0 {
+    if summary.was_interrupted() {
         return Err(Failure::silent(Exit::Interrupted));
     }
     Ok(())
@@ -201,34 +197,32 @@ fn draw_maps(bvh: &SceneBvh, camera: &Camera, settings: &Settings) -> Option<Sha
 }
 
 fn trace(
-    args: &RenderArgs,
+    job: &Job,
     pool: &ThreadPool,
     bvh: &SceneBvh,
     camera: &Camera,
-    plan: &Plan,
     (maps, show): (Option<&ShadowMaps>, Option<&ShowPlan>),
 ) -> ShownFilm {
-    let progress = Progress::new(args.quiet);
+    let by_pixels = job.plan.settings.method != Method::Path;
+    let progress = Progress::new(job.args.quiet, by_pixels);
     let control = Control {
         stop: &STOP,
         progress: &|done, total| progress.update(done, total),
     };
+    let plan = job.plan;
     interrupt::enter(Phase::Rendering);
     let mut shown = pool.install(|| match (maps, show) {
         (Some(maps), Some(show)) => show::draw(show, plan, bvh, camera, maps, &control),
-        _ => ShownFilm::from(render_with_maps(
-            bvh,
-            camera,
-            &plan.settings,
-            maps,
-            &control,
-        )),
+        _ if plan.settings.method == Method::Path => growing::draw(job, bvh, camera, &control),
+        _ => {
+            let settings = &plan.settings;
+            ShownFilm::from(render_with_maps(bvh, camera, settings, maps, &control))
+        }
     });
     progress.finish();
-    if let Some(aovs) = &args.aov
-        && !interrupt::stopped()
-    {
-        let layers = pool.install(|| render_aovs(bvh, camera, &plan.settings, aovs));
+    let with_layers = plan.settings.method == Method::Path || plan.aovs.is_empty();
+    if !with_layers && !interrupt::stopped() {
+        let layers = pool.install(|| render_aovs(bvh, camera, &plan.settings, &plan.aovs));
         shown.layers.extend(layers);
     }
     shown
@@ -256,6 +250,8 @@ pub(crate) fn idle_options(
     target: Target,
 ) -> Vec<String> {
     let tone = args.exposure.is_some() || args.tonemap.is_some();
+    // Which pixels are dark is a question of the exposure.
+    let tone = tone && settings.noise.is_none();
     let tone = (target == Target::Exr && tone).then(|| {
         "--exposure and --tonemap have no effect on EXR, which holds light as it is".to_owned()
     });

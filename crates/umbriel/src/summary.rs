@@ -15,7 +15,9 @@ use serde_json::{Value, json};
 use std::path::Path;
 use umbriel_formats::{
     Loaded, Report,
-    render::{Camera, Sampling, SceneBvh, Stats, Tonemap, kernels::Surface},
+    render::{
+        Camera, Sampling, SamplingReport, SceneBvh, Stats, StopReason, Tonemap, kernels::Surface,
+    },
 };
 
 /// Seconds that each phase took.
@@ -37,6 +39,8 @@ pub(crate) struct Summary<'a> {
     pub(crate) loaded: &'a Loaded,
     pub(crate) plan: &'a Plan,
     pub(crate) stats: Stats,
+    /// Of a picture by passes of samples.
+    pub(crate) sampling: Option<SamplingReport>,
     /// Of the pictures of `--show`.
     pub(crate) captions: &'a [Caption],
     /// Stops that were applied.
@@ -106,6 +110,12 @@ impl Summary<'_> {
         let [width, height] = self.plan.settings.resolution;
         let [x0, y0, x1, y1] = self.plan.settings.crop.unwrap_or([0, 0, width, height]);
         (u64::from(x1 - x0) * u64::from(y1 - y0)).saturating_sub(self.stats.pixels)
+    }
+
+    /// Whether somebody stopped the render before its end.
+    pub(crate) fn was_interrupted(&self) -> bool {
+        let reason = self.sampling.and_then(|report| report.reason);
+        self.unfinished() > 0 || reason == Some(StopReason::Interrupt)
     }
 
     fn rays(&self) -> u64 {
@@ -196,12 +206,14 @@ impl Summary<'_> {
     fn last_line(&self) -> String {
         let settings = &self.plan.settings;
         let [width, height] = settings.resolution;
-        let (method, sampling) = (
-            method_name(settings.method),
-            sampling_name(settings.sampling),
-        );
+        let method = method_name(settings.method);
+        let sampling = match &self.sampling {
+            Some(report) => used_samples(report),
+            None => sampling_name(settings),
+        };
         let rate = self.rays() as f64 / self.phases.render.max(1e-9) / 1e6;
         let saved = match self.unfinished() {
+            0 if self.was_interrupted() => "interrupted: saved".to_owned(),
             0 => "saved".to_owned(),
             n => format!("interrupted, {n} pixels are empty: saved"),
         };
@@ -228,6 +240,9 @@ impl Summary<'_> {
             "method": method_name(settings.method),
             "spp": spp,
             "adaptive": adaptive,
+            "time": settings.time,
+            "noise": settings.noise,
+            "used": self.sampling.as_ref().map(used_json),
             "depth": settings.depth,
             "shadow_maps": shadow_maps_json(settings, &self.loaded.scene.lights),
             "show": self.captions.iter().map(Caption::to_json).collect::<Vec<_>>(),
@@ -255,6 +270,34 @@ impl Summary<'_> {
             "tonemap": tonemap_name(self.plan.tonemap),
         })
     }
+}
+
+/// What a picture by passes took, for people.
+fn used_samples(report: &SamplingReport) -> String {
+    let (least, most, noise) = (report.least, report.most, report.noise);
+    let spp = if least == most {
+        format!("{most} spp")
+    } else {
+        format!("{:.1} spp ({least} to {most})", report.mean)
+    };
+    format!("{spp}, noise {noise:.4},")
+}
+
+/// What a picture by passes took, for programs.
+fn used_json(report: &SamplingReport) -> Value {
+    json!({
+        "traced_spp": report.traced,
+        "spp": report.mean,
+        "least_spp": report.least,
+        "most_spp": report.most,
+        "noise": report.noise,
+        "ended_by": report.reason.map(|reason| match reason {
+            StopReason::Samples => "spp",
+            StopReason::Time => "time",
+            StopReason::Noise => "noise",
+            StopReason::Interrupt => "interrupt",
+        }),
+    })
 }
 
 fn tonemap_name(tonemap: Tonemap) -> &'static str {

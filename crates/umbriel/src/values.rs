@@ -105,6 +105,22 @@ pub(crate) fn parse_threshold(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Seconds above 0.
+pub(crate) fn parse_seconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 1e9 => Ok(seconds),
+        _ => Err("expected seconds above 0 as in 30 or 0.5".to_owned()),
+    }
+}
+
+/// A relative error above 0 and at most 1.
+pub(crate) fn parse_noise(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(noise) if noise > 0.0 && noise <= 1.0 => Ok(noise),
+        _ => Err("expected a relative error above 0 and at most 1 as in 0.03".to_owned()),
+    }
+}
+
 /// A difference that is accepted: 0 or more.
 pub(crate) fn parse_tolerance(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
@@ -205,6 +221,14 @@ mod tests {
             ["-1", "nan", "inf", "1cm"]
                 .iter()
                 .all(|bad| parse_light_size(bad).is_err())
+        );
+        for bad in ["0", "-1", "nan", "inf", "1e10", "5s", ""] {
+            assert!(parse_seconds(bad).is_err(), "{bad}");
+            assert!(parse_noise(bad).is_err(), "{bad}");
+        }
+        assert_eq!(
+            (parse_seconds("2.5"), parse_noise("0.03")),
+            (Ok(2.5), Ok(0.03))
         );
         assert!(parse_fov("180").is_err() && parse_fov("0").is_err() && parse_fov("nan").is_err());
         assert_eq!(

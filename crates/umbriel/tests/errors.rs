@@ -20,6 +20,21 @@ fn command_line() {
     for (option, value, part) in [
         ("--spp", "0", "1..=65536"),
         ("--spp", "abc", "abc"),
+        ("--time", "0", "above 0"),
+        ("--time", "-1", "seconds above 0"),
+        ("--time", "nan", "seconds above 0"),
+        ("--noise", "0", "above 0"),
+        ("--noise", "inf", "relative error"),
+        ("--save-every", "0", "seconds above 0"),
+        ("--time", "5", "--method path"),
+        ("--noise", "0.1", "--method path"),
+        ("--save-every", "5", "--method path"),
+        (
+            "--aov",
+            "depth,variance",
+            "variance comes from samples of paths; expected --method path",
+        ),
+        ("-m path --adaptive", "-q", "--noise"),
         ("-r", "0x100", "WIDTHxHEIGHT"),
         ("-r", "640*480", "WIDTHxHEIGHT"),
         ("--threads", "100000", "1024"),
@@ -39,6 +54,11 @@ fn command_line() {
             &[part],
         );
     }
+    folder.fails(
+        "render scene.toml -o - -m path --save-every 5",
+        2,
+        &["--save-every", "expected a file"],
+    );
     folder.fails(
         "render scene.toml -o a.png --aov depth",
         2,

@@ -111,6 +111,8 @@ pub(super) enum MethodName {
     Whitted,
     /// Depth images from the lights tell what is lit (Williams 1978).
     ShadowMap,
+    /// Rays that go on at random, from surface to surface (Kajiya 1986).
+    Path,
 }
 
 /// What a shadow ray does at glass.

@@ -89,6 +89,7 @@ fn read_table(table: &RenderTable, source: &Source) -> Result<SceneSettings, Fau
         method: table.method.map(|name| match name {
             MethodName::RayCast => Method::RayCast,
             MethodName::Whitted => Method::Whitted,
+            MethodName::Path => Method::Path,
             MethodName::ShadowMap => Method::ShadowMap,
         }),
         resolution: resolution(table, at("resolution"))?,

@@ -1,6 +1,6 @@
 //! The rough specular lobe: microfacets with the GGX distribution.
 
-use std::f32::consts::PI;
+use std::f32::consts::{PI, TAU};
 use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// `D V` of the Cook-Torrance model; times the Fresnel factor it is the specular `f`, in 1/sr.
@@ -29,9 +29,48 @@ pub fn eval_ggx(alpha: f32, n: Vec3, half: Vec3, wo: Vec3, wi: Vec3) -> f32 {
 
 /// `α² / D` for the density `D` of microfacet normals at the angle of cosine `cos_h` from the surface's, for the squared width `a2`.
 #[inline(always)]
-fn a2_over_distribution(a2: f32, cos_h: f32) -> f32 {
+pub(super) fn a2_over_distribution(a2: f32, cos_h: f32) -> f32 {
     let d = cos_h * cos_h * (a2 - 1.0) + 1.0;
     PI * d * d
+}
+
+/// A microfacet normal, chosen at random among those seen from `wo`; `u` in `[0, 1)²`.
+///
+/// The directions that a stretched sphere reflects from `wo` fill a cap, which is sampled uniformly; `half` is the
+/// bisector of it and `wo`, squeezed back:
+/// ```text
+/// v = (α wo.x, α wo.y, wo.z)/|·|      c: uniform above z = −v.z      h = (α (c+v).x, α (c+v).y, (c+v).z)/|·|
+/// ```
+/// `alpha` in `(0, 1]`. `wo` is at least in the plane of the surface of normal `n`.
+///
+/// Source: Dupuy & Benyoub, "Sampling Visible GGX Normals with Spherical Caps", Computer Graphics Forum 42(8), 2023.
+#[inline(always)]
+pub fn sample_ggx(alpha: f32, n: Vec3, wo: Vec3, u: Vec2) -> Vec3 {
+    let (x, y) = n.any_orthonormal_pair();
+    let v =
+        Vec3::new(alpha * wo.dot(x), alpha * wo.dot(y), wo.dot(n).max(0.0)).normalize_or(Vec3::Z);
+    let (sin, cos) = (TAU * u.x).sin_cos();
+    let z = (1.0 - u.y) * (1.0 + v.z) - v.z;
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    let h = Vec3::new(r * cos, r * sin, z) + v;
+    (x * (alpha * h.x) + y * (alpha * h.y) + n * h.z.max(0.0)).normalize_or(n)
+}
+
+/// The density in 1/sr of the direction that [`sample_ggx`]'s normal `half` mirrors `wo` to; 0 for a `wo` behind the surface.
+///
+/// ```text
+/// p(wi) = G₁(wo) D(h) / (4 n·wo) = D(h) / (2 (n·wo + √((n·wo)²(1 − α²) + α²)))
+/// ```
+///
+/// Source: Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer Graphics Techniques 7(4), 2018.
+#[inline(always)]
+pub fn pdf_ggx(alpha: f32, n: Vec3, half: Vec3, wo: Vec3) -> f32 {
+    let (cos_o, a2) = (n.dot(wo), alpha * alpha);
+    if !(cos_o > 0.0) {
+        return 0.0;
+    }
+    let masking = (cos_o * cos_o * (1.0 - a2) + a2).sqrt();
+    a2 / (a2_over_distribution(a2, n.dot(half)) * 2.0 * (cos_o + masking))
 }
 
 /// The fraction of uniform light from all sides that the lobe reflects towards `wo`, approximately.

@@ -2,9 +2,13 @@
 
 mod diffuse;
 mod ggx;
+mod ggx_transmission;
+mod sample;
 
-pub use diffuse::eval_diffuse;
-pub use ggx::{albedo_ggx, eval_ggx};
+pub use diffuse::{eval_diffuse, pdf_diffuse, sample_diffuse};
+pub use ggx::{albedo_ggx, eval_ggx, pdf_ggx, sample_ggx};
+pub use ggx_transmission::{eval_ggx_transmission, pdf_ggx_transmission, refracting_half};
+pub use sample::BsdfSample;
 
 use crate::fresnel::{fresnel_dielectric, fresnel_schlick, normal_reflectance};
 use umbriel_kernels::glam::Vec3;

@@ -1,6 +1,7 @@
 //! Small scenes and random numbers for the tests.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub(crate) mod path_scene;
 pub(crate) mod shadow_scene;
 pub(crate) mod shadow_truth;
 
