@@ -2,13 +2,13 @@
 
 use std::f64::consts::{PI, TAU};
 use umbriel_render::{
-    Bsdf, DirectionSample, PixelSampler, eval_ggx, eval_ggx_transmission,
+    Brush, Bsdf, DirectionSample, Layers, PixelSampler, eval_ggx, eval_ggx_transmission,
     kernels::{
         Triangle,
         glam::{Vec2, Vec3},
     },
     pdf_diffuse, pdf_disk, pdf_ggx, pdf_ggx_transmission, pdf_rectangle, pdf_sphere, pdf_triangle,
-    reflect, refract, refracting_half, sample_diffuse, sample_disk, sample_ggx, sample_rectangle,
+    reflect, refract, refracting_half, sample_diffuse, sample_disk, sample_ggx, sample_ggx_visible, sample_rectangle,
     sample_sphere, sample_triangle,
 };
 
@@ -265,28 +265,60 @@ fn diffuse_lobe() {
     check("diffuse", n, sample, |wi| f64::from(pdf_diffuse(n, wi)));
 }
 
-/// Directions behind the surface count as samples, too: they are the light that the next bounce between facets would carry.
+/// Below the surface the density is not what the samples have: no light comes from there.
 #[test]
 fn rough_mirrors() {
     let n = Vec3::new(0.3, 0.8, -0.4).normalize();
     let (x, _) = n.any_orthonormal_pair();
     for (alpha, cos_o) in [(0.25_f32, 0.9_f32), (0.5, 0.2), (1.0, 0.5)] {
         let wo = n * cos_o + x * (1.0 - cos_o * cos_o).sqrt();
-        let density = |wi: Vec3| pdf_ggx(alpha, n, (wo + wi).normalize_or(n), wo);
-        let sample = |u| {
-            let half = sample_ggx(alpha, n, wo, u);
-            Some(towards(reflect(wo, half), pdf_ggx(alpha, n, half, wo)))
-        };
-        // Half vectors lie above the surface.
-        let pdf = |wi: Vec3| {
-            if (wo + wi).dot(n) > 0.0 {
-                f64::from(density(wi))
-            } else {
-                0.0
-            }
-        };
-        check("rough mirror", reflect(wo, n), sample, pdf);
+        check_above(
+            "rough mirror",
+            n,
+            |u| reflect(wo, sample_ggx(alpha, n, wo, u)),
+            |wi| pdf_ggx(alpha, n, (wo + wi).normalize_or(n), wo),
+        );
     }
+}
+
+#[test]
+fn brushed_mirrors() {
+    let n = Vec3::new(0.3, 0.8, -0.4).normalize();
+    let (x, y) = n.any_orthonormal_pair();
+    for (alpha, cos_o) in [(0.25_f32, 0.9_f32), (0.4, 0.2), (0.1, 0.5)] {
+        let wo = n * cos_o + (x * 0.6 + y * 0.8) * (1.0 - cos_o * cos_o).sqrt();
+        let brush = Brush::new(alpha, 0.8, x, n).expect("a tangent");
+        check_above(
+            "brushed mirror",
+            n,
+            |u| reflect(wo, brush.sample(wo, u)),
+            |wi| brush.pdf((wo + wi).normalize_or(n), wo),
+        );
+    }
+}
+
+/// [`check`] with all directions below the surface in one bin.
+fn check_above(
+    name: &str,
+    n: Vec3,
+    sample: impl Fn(Vec2) -> Vec3,
+    pdf: impl Fn(Vec3) -> f32,
+) {
+    let above = |wi: Vec3| n.dot(wi) > 0.0;
+    let mut counts = vec![0.0; ROWS * COLUMNS];
+    for i in 0..SAMPLES {
+        let wi = sample(random(i));
+        if above(wi) {
+            counts[bin(n, wi)] += 1.0;
+        }
+    }
+    let density = |wi| if above(wi) { f64::from(pdf(wi)) } else { 0.0 };
+    let shares = integral(n, density);
+    let mut expected: Vec<f64> = shares.iter().map(|s| s * f64::from(SAMPLES)).collect();
+    counts.push(f64::from(SAMPLES) - counts.iter().sum::<f64>());
+    expected.push(f64::from(SAMPLES) - expected.iter().sum::<f64>());
+    let z = deviations(&counts, &expected);
+    assert!(z < LIMIT, "{name}: {z} standard deviations");
 }
 
 /// Refraction, without what is totally reflected inside.
@@ -297,7 +329,7 @@ fn rough_glass() {
     for (alpha, eta, cos_o) in [(0.3_f32, 1.5_f32, 0.8_f32), (0.6, 1.5, 0.4)] {
         let wo = n * cos_o + x * (1.0 - cos_o * cos_o).sqrt();
         let sample = |u| {
-            let half = sample_ggx(alpha, n, wo, u);
+            let half = sample_ggx_visible(alpha, n, wo, u);
             let wi = refract(wo, half, eta)?;
             Some(towards(
                 wi,
@@ -321,15 +353,16 @@ fn weights_of_visible_normals_are_maskings() {
     for (alpha, cos_o) in [(0.1_f32, 0.9_f32), (0.5, 0.2), (1.0, 0.05)] {
         let wo = n * cos_o + Vec3::X * (1.0 - cos_o * cos_o).sqrt();
         for i in 0..10_000 {
-            let half = sample_ggx(alpha, n, wo, random(i));
-            let wi = reflect(wo, half);
+            let wi = reflect(wo, sample_ggx(alpha, n, wo, random(i)));
             if wi.y > 1e-4 {
+                let half = (wo + wi).normalize();
                 let weight = eval_ggx(alpha, n, half, wo, wi) * wi.y / pdf_ggx(alpha, n, half, wo);
                 assert!(
                     (0.0..=1.0001).contains(&weight),
                     "{alpha} {cos_o}: {weight}"
                 );
             }
+            let half = sample_ggx_visible(alpha, n, wo, random(i));
             if let Some(wi) = refract(wo, half, 1.5) {
                 let f = eval_ggx_transmission(alpha, 1.5, n, half, wo, wi);
                 let weight = f / pdf_ggx_transmission(alpha, 1.5, n, half, wo, wi);
@@ -345,15 +378,8 @@ fn weights_of_visible_normals_are_maskings() {
 fn plastic() -> Bsdf {
     Bsdf {
         base_color: Vec3::new(0.8, 0.5, 0.2),
-        alpha: 1.0,
-        metallic: 0.0,
         roughness: 0.5,
-        emission: Vec3::ZERO,
-        transmission: 0.0,
-        ior: 1.5,
-        eta: 1.5,
-        thin_walled: false,
-        unlit: false,
+        ..Bsdf::default()
     }
 }
 
@@ -379,11 +405,34 @@ fn materials() {
         roughness: 0.7,
         ..plastic()
     };
+    let lacquer = Bsdf {
+        metallic: 0.5,
+        layers: Some(Layers {
+            clearcoat: 0.8,
+            clearcoat_roughness: 0.4,
+            specular_color: Vec3::new(2.0, 1.0, 0.5),
+            iridescence: 0.7,
+            ..Layers::NONE
+        }),
+        ..plastic()
+    };
+    let brushed_velvet = Bsdf {
+        layers: Some(Layers {
+            sheen_color: Vec3::new(0.3, 0.5, 0.9),
+            sheen_roughness: 0.4,
+            anisotropy: 0.8,
+            tangent: x,
+            ..Layers::NONE
+        }),
+        ..plastic()
+    };
     for (name, bsdf) in [
         ("plastic", plastic()),
         ("metal", metal),
         ("frosted", frosted),
         ("leaf", leaf),
+        ("lacquer", lacquer),
+        ("brushed velvet", brushed_velvet),
     ] {
         let mut lost = 0.0;
         let mut counts = vec![0.0; ROWS * COLUMNS];
