@@ -2,7 +2,6 @@
 
 use std::{env, f64::consts::PI, fmt::Write, fs, path::Path};
 
-const SIDE: usize = 24;
 /// Points of an integral, and the step of their lattice: neighbours of Fibonacci's, which fill the square evenly.
 const POINTS: usize = 6765;
 const STEP: usize = 4181;
@@ -10,16 +9,16 @@ const STEP: usize = 4181;
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     let text = [
-        table("GGX_TOTAL", |x, y| {
+        table::<24>("GGX_TOTAL", |x, y| {
             let alpha = (y * y).max(1e-4);
             // The inverse of x = cos (1 + α)/(cos + α).
             ggx((x * alpha / (1.0 + alpha - x)).max(1e-6), alpha).0
         }),
-        table("GGX_GRAZING", |x, y| {
+        table::<40>("GGX_GRAZING", |x, y| {
             let (total, grazing) = ggx((x * x).max(1e-4), (y * y).max(1e-4));
             grazing / total
         }),
-        table("SHEEN", |x, y| sheen((x * x).max(1e-4), (y * y).max(0.01))),
+        table::<24>("SHEEN", |x, y| sheen((x * x).max(1e-4), (y * y).max(0.01))),
     ];
     let folder = env::var("OUT_DIR").expect("cargo names the folder");
     fs::write(Path::new(&folder).join("energy_tables.rs"), text.concat()).expect("can be written");
@@ -33,7 +32,7 @@ fn lattice(k: usize) -> (f64, f64) {
 }
 
 /// The values of a function of `[0, 1]²`, rows by `y`.
-fn table(name: &str, f: impl Fn(f64, f64) -> f64) -> String {
+fn table<const SIDE: usize>(name: &str, f: impl Fn(f64, f64) -> f64) -> String {
     let mut text = format!("pub(super) static {name}: [[f32; {SIDE}]; {SIDE}] = [\n");
     let place = |i: usize| i as f64 / (SIDE - 1) as f64;
     for y in 0..SIDE {

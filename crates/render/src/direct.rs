@@ -300,9 +300,7 @@ impl DirectLight {
 /// Whether all surfaces are perfect mirrors, which show no lights without extent.
 #[inline(always)]
 fn is_mirror(surfaces: &SurfaceLanes) -> bool {
-    surfaces
-        .uniform
-        .is_some_and(|bsdf| bsdf.is_smooth())
+    surfaces.uniform.is_some_and(|bsdf| bsdf.is_smooth())
 }
 
 /// The ray from a surface to the end of `to_light`.

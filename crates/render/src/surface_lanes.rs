@@ -1,13 +1,13 @@
 //! The surfaces at many hits of one instance, in lanes.
 
+mod places;
+
 use crate::{
-    Bsdf, Geometry, InstanceId, Layers, Material, MaterialId, Mesh, Scene, SceneBvh, SurfaceInteraction,
+    Bsdf, Geometry, InstanceId, Layers, Material, MaterialId, Mesh, Scene, SceneBvh,
+    SurfaceInteraction,
     mesh_lanes::MeshLanes,
     mesh_point::{mesh_color, mesh_uvs},
-    surface::{
-        Place, ToWorld, image_uv, material_at, side_of, surface_error, surface_interaction,
-        towards_viewer, turn_to_viewer,
-    },
+    surface::{ToWorld, image_uv, material_at, side_of, surface_error, surface_interaction},
 };
 use umbriel_kernels::{
     Hit, LANES, Lanes, PointLanes, Ray, Surface, Vec3Lanes,
@@ -98,8 +98,7 @@ impl SurfaceLanes {
         self.sort(material);
         match placed.geometry {
             Geometry::Surface(id)
-                if !material.needs_tangent()
-                    && bvh.to_object(InstanceId(instance)).is_none() =>
+                if !material.needs_tangent() && bvh.to_object(InstanceId(instance)).is_none() =>
             {
                 let surface = &scene.surfaces[id.index()];
                 self.settle(surface, hits, material.is_textured());
@@ -288,57 +287,6 @@ impl SurfaceLanes {
             self.wo.set(i, -ray.dir);
         }
         self.points.settle(self.len, surface, with_uv);
-    }
-
-    /// Positions and normals on a mesh.
-    #[inline(always)]
-    fn settle_mesh(&mut self, mesh: &Mesh, to_world: Option<&ToWorld>, inside_out: bool) {
-        match (mesh.normals.is_empty(), to_world) {
-            (true, None) => self.set_places(
-                inside_out,
-                #[inline(always)]
-                |mesh, i, _| mesh.flat(i),
-            ),
-            (true, Some(to_world)) => self.set_places(
-                inside_out,
-                #[inline(always)]
-                |mesh, i, _| to_world.place(mesh.flat(i)),
-            ),
-            (false, None) => self.set_places(
-                inside_out,
-                #[inline(always)]
-                |mesh, i, wo| mesh.smooth(i, wo),
-            ),
-            (false, Some(to_world)) => self.set_places(
-                inside_out,
-                #[inline(always)]
-                |mesh, i, wo| to_world.place(mesh.smooth(i, to_world.way_back(wo))),
-            ),
-        }
-    }
-
-    /// Takes the places on the mesh down, with normals on the side that is seen.
-    #[inline(always)]
-    fn set_places(&mut self, inside_out: bool, place: impl Fn(&MeshLanes, usize, Vec3) -> Place) {
-        let mut away = [0_u32; LANES];
-        for (i, away) in away.iter_mut().enumerate().take(whole_vectors(self.len)) {
-            let wo = self.wo.get(i);
-            let (place, side) = turn_to_viewer(place(&self.mesh, i, wo), inside_out, wo);
-            *away = u32::from(!(place.ns.dot(wo) >= 0.0));
-            self.side[i] = side;
-            self.points.p.set(i, place.p);
-            self.error.set(i, place.error);
-            self.shadow_p.set(i, place.p + place.lift);
-            self.ng.set(i, place.ng);
-            self.ns.set(i, place.ns);
-        }
-        // Only near silhouettes.
-        if away.iter().fold(0, |any, away| any | away) != 0 {
-            for i in 0..whole_vectors(self.len) {
-                let (ns, ng) = (self.ns.get(i), self.ng.get(i));
-                self.ns.set(i, towards_viewer(ns, ng, self.wo.get(i)));
-            }
-        }
     }
 
     /// Where the textures of an analytic surface are read.

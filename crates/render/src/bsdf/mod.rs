@@ -154,7 +154,10 @@ impl Bsdf {
         let albedo = Albedo::new(cos_o, self.roughness);
         let dielectric = normal_reflectance(self.ior);
         let grazing = grazing_reflectance(dielectric);
-        let inside = 1.0 - albedo.reflected(Vec3::splat(dielectric), Vec3::splat(grazing)).x;
+        let inside = 1.0
+            - albedo
+                .reflected(Vec3::splat(dielectric), Vec3::splat(grazing))
+                .x;
         let mut f = eval_diffuse(self.diffuse_color() * inside);
         let alpha = width(self.roughness);
         if alpha > 0.0 {
@@ -207,8 +210,9 @@ impl Bsdf {
     /// Reflectance of the metal at normal incidence.
     #[inline(always)]
     fn metal(&self, cos_o: f32) -> Vec3 {
-        self.layers
-            .map_or(self.base_color, |layers| layers.film(cos_o, self.base_color))
+        self.layers.map_or(self.base_color, |layers| {
+            layers.film(cos_o, self.base_color)
+        })
     }
 
     /// What a facet reflects of light from the angle of cosine `cos`: by Schlick's approximation for what is opaque, exactly for what lets
