@@ -182,8 +182,12 @@ impl Bsdf {
         let (diffuse, reflected) = self.albedos(cos_o);
         let (mut specular, mut transmitted) = (reflected.max_element(), 0.0);
         if self.transmission > 0.0 || self.roughness == 0.0 {
+            // Facets of rough glass let light through where its mean surface does not: it is seen as if from a lesser angle.
             let (reflected, through) = self.split(cos_o);
-            (specular, transmitted) = (reflected.max_element(), through.max_element());
+            let (straight, straight_through) = self.split(1.0);
+            let tilt = 0.5 * self.roughness;
+            specular = reflected.lerp(straight, tilt).max_element();
+            transmitted = through.lerp(straight_through, tilt).max_element();
         }
         let (mut diffuse, mut coat) = (diffuse.max_element(), 0.0);
         if let Some(layers) = &self.layers {
