@@ -237,7 +237,7 @@ impl Bsdf {
         let normal = normal_reflectance(self.ior);
         // Between the reflectances as the exact one is between its own.
         let share = (fresnel_dielectric(cos, eta) - normal) / (1.0 - normal);
-        let once = f0 + (f90 - f0) * share;
+        let once = (f0 + (f90 - f0) * share).max(Vec3::ZERO);
         if self.thin_walled {
             once * 2.0 / (once + 1.0)
         } else {
