@@ -255,11 +255,17 @@ impl Bsdf {
     #[inline(always)]
     pub fn split(&self, cos_o: f32) -> (Vec3, Vec3) {
         let cos = cos_o.clamp(0.0, 1.0);
-        let (f0, f90) = self.dielectric(cos);
+        self.split_facet(cos, cos)
+    }
+
+    /// [`Bsdf::split`] for a facet at an angle of cosine `cos` from `wo`.
+    #[inline(always)]
+    fn split_facet(&self, cos: f32, cos_o: f32) -> (Vec3, Vec3) {
+        let (f0, f90) = self.dielectric(cos_o);
         let clear = self.fresnel_clear(cos, f0, f90);
         let through = (1.0 - self.metallic) * self.transmission;
         (
-            self.fresnel(cos, cos),
+            self.fresnel(cos, cos_o),
             self.base_color * (Vec3::ONE - clear).max(Vec3::ZERO) * through,
         )
     }

@@ -249,7 +249,8 @@ impl Bsdf {
         } else {
             refracting_half(self.eta, n, wo, wi)?
         };
-        let (_, through) = self.split(wo.dot(half));
+        let cos = wo.dot(half).clamp(0.0, 1.0);
+        let (_, through) = self.split_facet(cos, n.dot(wo));
         (through != Vec3::ZERO).then_some((half, through))
     }
 
