@@ -109,11 +109,40 @@ impl LitLanes {
         light: impl Fn(Vec3) -> Option<LightSample>,
         keep: impl Fn(&mut Self, usize, &SurfaceInteraction, &LightSample),
     ) {
+        if surfaces.is_plain {
+            self.reflect_by(
+                surfaces,
+                weights,
+                light,
+                #[inline(always)]
+                |s, wi| s.bsdf.eval_plain(s.ns, s.wo, wi),
+                keep,
+            );
+        } else {
+            self.reflect_by(
+                surfaces,
+                weights,
+                light,
+                |s, wi| s.bsdf.eval(s.ns, s.wo, wi),
+                keep,
+            );
+        }
+    }
+
+    #[inline(always)]
+    fn reflect_by(
+        &mut self,
+        surfaces: &SurfaceLanes,
+        weights: &Vec3Lanes,
+        light: impl Fn(Vec3) -> Option<LightSample>,
+        eval: impl Fn(&SurfaceInteraction, Vec3) -> Vec3,
+        keep: impl Fn(&mut Self, usize, &SurfaceInteraction, &LightSample),
+    ) {
         for i in 0..whole_vectors(surfaces.len) {
             let surface = surfaces.get(i);
             let sample = light(surface.p);
             let arriving = sample.unwrap_or(LightSample::DARK);
-            let reflected = surface.bsdf.eval(surface.ns, surface.wo, arriving.wi);
+            let reflected = eval(&surface, arriving.wi);
             let share = weights.get(i) * reflected;
             // Beneath a surface there is no light, but for the band that the terminator's lift opens.
             let above = (arriving.wi.dot(surface.ng) > 0.0) | (surface.shadow_p != surface.p);
@@ -271,9 +300,7 @@ impl DirectLight {
 /// Whether all surfaces are perfect mirrors, which show no lights without extent.
 #[inline(always)]
 fn is_mirror(surfaces: &SurfaceLanes) -> bool {
-    surfaces
-        .uniform
-        .is_some_and(|bsdf| bsdf.diffuse_color() == Vec3::ZERO && bsdf.roughness == 0.0)
+    surfaces.uniform.is_some_and(|bsdf| bsdf.is_smooth())
 }
 
 /// The ray from a surface to the end of `to_light`.

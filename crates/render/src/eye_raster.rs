@@ -290,7 +290,7 @@ fn plain<'a>(bvh: &'a SceneBvh, instance: usize, ids: [u32; 2]) -> Option<SeenMe
     let Geometry::Mesh(mesh) = placed.geometry else {
         return None;
     };
-    let is_plain = material.alpha_mode != AlphaMode::Blend && material.normal_texture.is_none();
+    let is_plain = material.alpha_mode != AlphaMode::Blend && !material.needs_tangent();
     is_plain.then(|| SeenMesh {
         instance: instance as u32,
         mesh: &scene.meshes[mesh.index()],

@@ -16,7 +16,13 @@
 //! | reflection, refraction | [`reflect`], [`refract`] | Heckbert 1989 |
 //! | Fresnel | [`fresnel_dielectric`], [`fresnel_schlick`] | Hecht; Schlick 1994 |
 //! | diffuse lobe | [`eval_diffuse`] | Lambert 1760 |
-//! | rough specular lobe | [`eval_ggx`], [`albedo_ggx`] | Walter et al. 2007; Heitz 2014; Karis 2014 |
+//! | rough specular lobe | [`eval_ggx`], [`sample_ggx`], [`pdf_ggx`] | Walter et al. 2007; Heitz 2014; Eto & Tokuyoshi 2023 |
+//! | its light from facet to facet, and what it leaves to the lobes beneath | [`Albedo`] | Kulla & Conty 2017; Turquin 2019 |
+//! | rough transmission | [`eval_ggx_transmission`], [`sample_ggx_visible`] | Walter et al. 2007; Dupuy & Benyoub 2023 |
+//! | brushed surfaces | [`Brush`] | Heitz 2014 |
+//! | sheen | [`eval_sheen`] | Estevez & Kulla 2017 |
+//! | thin films | [`reflect_film`] | Belcour & Barla 2017 |
+//! | coat, sheen and base on top of each other | [`Layers`], [`Bsdf::eval`], [`Bsdf::sample`] | Khronos, KHR_materials_* |
 //! | absorption | [`Material::absorption`] | Beer 1852 |
 //! | point, spot, directional light | [`Light::sample`] | KHR_lights_punctual |
 //! | light of the sky on a surface | [`Environment::ambient`] | Ramamoorthi & Hanrahan 2001 |
@@ -89,8 +95,9 @@ mod whitted;
 
 pub use aov::{Aov, render_aovs};
 pub use bsdf::{
-    Bsdf, BsdfSample, albedo_ggx, eval_diffuse, eval_ggx, eval_ggx_transmission, pdf_diffuse,
-    pdf_ggx, pdf_ggx_transmission, refracting_half, sample_diffuse, sample_ggx,
+    Albedo, Brush, Bsdf, BsdfSample, Layers, albedo_sheen, eval_diffuse, eval_ggx,
+    eval_ggx_transmission, eval_sheen, pdf_diffuse, pdf_ggx, pdf_ggx_transmission, reflect_film,
+    refracting_half, sample_diffuse, sample_ggx, sample_ggx_visible,
 };
 pub use camera::{Camera, CameraFrame, Projection};
 pub use color::{Development, LUMINANCE, Tonemap, auto_exposure, develop};
@@ -107,7 +114,7 @@ pub use light_sampling::{
     sample_disk, sample_rectangle, sample_sphere, sample_triangle,
 };
 pub use light_tree::{LightBounds, LightTree};
-pub use material::{AlphaMode, Material, TextureRef};
+pub use material::{AlphaMode, LayerTextures, Material, TextureRef};
 pub use mesh::Mesh;
 pub use path_film::{MOST_SAMPLES, PathFilm};
 pub use render::{Control, build_needed_trees, render, render_bytes_into, render_with_maps};

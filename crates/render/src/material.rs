@@ -1,6 +1,6 @@
 //! Materials as they are authored: glTF's metallic-roughness model with transmission.
 
-use crate::TextureId;
+use crate::{Layers, TextureId};
 use umbriel_kernels::glam::{Affine2, Vec3};
 
 /// Use of a texture by a material.
@@ -27,6 +27,40 @@ pub enum AlphaMode {
     },
     /// Covers the fraction alpha of what is behind; without refraction.
     Blend,
+}
+
+/// The textures of a material's [`Layers`]; each multiplies its factor by one channel or by its colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LayerTextures {
+    /// Multiplies `specular` by its alpha.
+    pub specular: Option<TextureRef>,
+    /// Multiplies `specular_color`.
+    pub specular_color: Option<TextureRef>,
+    /// Multiplies `clearcoat` by its red channel.
+    pub clearcoat: Option<TextureRef>,
+    /// Multiplies `clearcoat_roughness` by its green channel.
+    pub clearcoat_roughness: Option<TextureRef>,
+    /// Multiplies `sheen_color`.
+    pub sheen_color: Option<TextureRef>,
+    /// Multiplies `sheen_roughness` by its alpha.
+    pub sheen_roughness: Option<TextureRef>,
+    /// Multiplies `iridescence` by its red channel.
+    pub iridescence: Option<TextureRef>,
+}
+
+impl LayerTextures {
+    /// All of them, with the names of their fields in files.
+    pub fn all(&self) -> [(&'static str, Option<TextureRef>); 7] {
+        [
+            ("specular_texture", self.specular),
+            ("specular_color_texture", self.specular_color),
+            ("clearcoat_texture", self.clearcoat),
+            ("clearcoat_roughness_texture", self.clearcoat_roughness),
+            ("sheen_color_texture", self.sheen_color),
+            ("sheen_roughness_texture", self.sheen_roughness),
+            ("iridescence_texture", self.iridescence),
+        ]
+    }
 }
 
 /// A material as authored; [`Bsdf`](crate::Bsdf) is its value at a point.
@@ -70,6 +104,10 @@ pub struct Material {
     pub attenuation_color: Vec3,
     /// Distance in metres of the Beer-Lambert law; infinite for a clear medium.
     pub attenuation_distance: f32,
+    /// Specular colour, film, brush, sheen and coat.
+    pub layers: Layers,
+    /// Their textures.
+    pub layer_textures: LayerTextures,
     /// What alpha means.
     pub alpha_mode: AlphaMode,
     /// Triangles are seen from behind, too, as fronts. Otherwise no eye sees them from behind, as in glTF, but light is stopped all the same, by rays
@@ -101,6 +139,8 @@ impl Default for Material {
             thin_walled: false,
             attenuation_color: Vec3::ONE,
             attenuation_distance: f32::INFINITY,
+            layers: Layers::NONE,
+            layer_textures: LayerTextures::default(),
             alpha_mode: AlphaMode::Opaque,
             double_sided: true,
             unlit: false,
@@ -123,7 +163,18 @@ impl Material {
             &self.emission_texture,
             &self.transmission_texture,
         ];
-        textures.into_iter().any(Option::is_some)
+        let layers = self.layer_textures.all();
+        textures.into_iter().any(Option::is_some) || layers.iter().any(|(_, used)| used.is_some())
+    }
+
+    /// Tells whether it has any layers beside base colour, metal, roughness and transmission.
+    pub(crate) fn has_layers(&self) -> bool {
+        self.layers != Layers::NONE
+    }
+
+    /// Tells whether shading needs the tangent of a surface.
+    pub(crate) fn needs_tangent(&self) -> bool {
+        self.normal_texture.is_some() || self.layers.anisotropy > 0.0
     }
 
     /// The fraction of light that is left after `distance` metres inside, by colour.

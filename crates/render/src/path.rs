@@ -254,8 +254,7 @@ impl<'a> PathTracer<'a> {
     /// Takes down what a light gives, chosen at random, and the ray that asks for it.
     fn aim(&mut self, state: &PathState, surface: &SurfaceInteraction) {
         let bsdf = &surface.bsdf;
-        if self.emitters.is_empty() || (bsdf.roughness == 0.0 && bsdf.diffuse_color() == Vec3::ZERO)
-        {
+        if self.emitters.is_empty() || bsdf.is_smooth() {
             return;
         }
         let normal = facing(surface);

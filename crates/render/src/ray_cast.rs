@@ -4,8 +4,7 @@
 
 use crate::{
     Environment, SurfaceInteraction,
-    bsdf::albedo_ggx,
-    fresnel::{normal_reflectance, reflect},
+    fresnel::reflect,
     surface_lanes::{SurfaceLanes, for_lanes},
 };
 use umbriel_kernels::{Vec3Lanes, glam::Vec3};
@@ -26,28 +25,36 @@ pub(crate) fn shade(
         surfaces,
         ambient,
         #[inline(always)]
-        |_, surface| ambient_reflection(&environment, surface, 1.0),
+        |_, surface| ambient_reflection(&environment, surface, 1.0, 1.0),
     );
 }
 
-/// The reflection of the ambient light, as if nothing stood in its way: all of the diffuse lobe and the share
-/// `specular` of the specular one.
+/// The reflection of the ambient light, as if nothing stood in its way: all of the diffuse lobe and of the sheen, and the shares
+/// `specular` and `coat` of the specular lobe and of the coat's.
 #[inline(always)]
 pub(crate) fn ambient_reflection(
     environment: &Environment,
     surface: &SurfaceInteraction,
     specular: f32,
+    coat: f32,
 ) -> Vec3 {
     let bsdf = &surface.bsdf;
-    let diffuse = bsdf.diffuse_color();
     let cos_o = surface.ns.dot(surface.wo).clamp(0.0, 1.0);
-    // Without conditions: the formulas share most of their numbers, and 0 times them is 0.
-    let coat = albedo_ggx(
-        cos_o,
-        bsdf.roughness,
-        Vec3::splat(normal_reflectance(bsdf.ior)),
-    );
-    let mirrored = environment.ambient(reflect(surface.wo, surface.ns));
-    diffuse * (Vec3::ONE - coat) * environment.ambient(surface.ns)
-        + albedo_ggx(cos_o, bsdf.roughness, bsdf.f0()) * mirrored * specular
+    let (diffuse, reflected) = bsdf.albedos(cos_o);
+    let beneath = bsdf.beneath(cos_o);
+    let mut sum = Vec3::ZERO;
+    if diffuse != Vec3::ZERO {
+        sum += diffuse * beneath * environment.ambient(surface.ns);
+    }
+    if specular > 0.0 {
+        let mirrored = environment.ambient(reflect(surface.wo, surface.ns));
+        sum += reflected * (beneath * specular) * mirrored;
+    }
+    if let Some(layers) = &bsdf.layers {
+        let on_top = layers.coat(cos_o);
+        let sheen = layers.sheen(cos_o) * (1.0 - on_top);
+        let mirrored = environment.ambient(reflect(surface.wo, surface.ns));
+        sum += sheen * environment.ambient(surface.ns) + mirrored * (on_top * coat);
+    }
+    sum
 }

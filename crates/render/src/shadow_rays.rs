@@ -145,8 +145,9 @@ impl PassBlock {
             &mut self.through,
             #[inline(always)]
             |_, s| {
-                let (_, through) = s.bsdf.split(s.wo.dot(s.ns));
-                s.bsdf.alpha * glass * through
+                let cos_o = s.wo.dot(s.ns);
+                let (_, through) = s.bsdf.split(cos_o);
+                s.bsdf.alpha * glass * s.bsdf.beneath(cos_o) * through
             },
         );
         for_lanes(

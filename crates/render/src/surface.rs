@@ -1,7 +1,7 @@
 //! From a hit to everything that shading needs: position, normals, material at the point.
 
 use crate::{
-    AlphaMode, Bsdf, Geometry, Instance, Material, Scene, SceneBvh, TextureRef,
+    AlphaMode, Bsdf, Geometry, Instance, Layers, Material, Scene, SceneBvh, TextureRef,
     mesh_point::mesh_point,
 };
 use umbriel_kernels::{
@@ -80,9 +80,14 @@ pub fn surface_interaction(bvh: &SceneBvh, ray: &Ray, hit: &Hit) -> SurfaceInter
     if let Some(texture) = &material.normal_texture {
         point.place.ns = bend_normal(scene, material, texture, &point);
     }
+    let brush = brush_direction(material, &point);
     let wo = -ray.dir;
     let (place, side) = face_viewer(point.place, instance.inside_out, wo);
     let front = side > 0.0;
+    let mut bsdf = material_at(scene, material, &point.uvs, point.color, front);
+    if let Some(layers) = &mut bsdf.layers {
+        layers.tangent = brush;
+    }
     SurfaceInteraction {
         p: place.p,
         error: place.error,
@@ -91,8 +96,21 @@ pub fn surface_interaction(bvh: &SceneBvh, ray: &Ray, hit: &Hit) -> SurfaceInter
         ns: place.ns,
         wo,
         front,
-        bsdf: material_at(scene, material, &point.uvs, point.color, front),
+        bsdf,
     }
+}
+
+/// Along which highlights of a brushed material are drawn out; 0 for other materials.
+fn brush_direction(material: &Material, point: &ObjectPoint) -> Vec3 {
+    if material.layers.anisotropy == 0.0 {
+        return Vec3::ZERO;
+    }
+    let n = point.place.ns;
+    let tangent = point.tangent.truncate();
+    let along = (tangent - n * n.dot(tangent)).normalize_or_zero();
+    let across = n.cross(along) * point.tangent.w;
+    let (sin, cos) = material.layers.anisotropy_rotation.sin_cos();
+    along * cos + across * sin
 }
 
 /// Turns the normals to the side of `wo`; 1 if that is the outside or the front, −1 if not.
@@ -167,7 +185,10 @@ fn object_point(scene: &Scene, instance: &Instance, object_ray: &Ray, hit: &Hit)
             let uv_set = material.normal_texture.map_or(0, |texture| texture.uv_set);
             mesh_point(&scene.meshes[id.index()], object_ray, hit, uv_set)
         }
-        Geometry::Surface(id) if !scene.materials[instance.material.index()].is_textured() => {
+        Geometry::Surface(id)
+            if !scene.materials[instance.material.index()].is_textured()
+                && scene.materials[instance.material.index()].layers.anisotropy == 0.0 =>
+        {
             let (p, n) = scene.surfaces[id.index()].normal_at(hit.primitive, object_ray.at(hit.t));
             ObjectPoint {
                 place: Place::on_surface(p, n),
@@ -323,5 +344,24 @@ pub(crate) fn material_at(
         },
         thin_walled: material.thin_walled,
         unlit: material.unlit,
+        layers: material
+            .has_layers()
+            .then(|| layers_at(scene, material, uvs)),
+    }
+}
+
+/// Looks the textures of the layers up.
+fn layers_at(scene: &Scene, material: &Material, uvs: &[Vec2; 2]) -> Layers {
+    let (layers, textures) = (&material.layers, &material.layer_textures);
+    let at = |texture| sample(scene, texture, uvs);
+    Layers {
+        specular: layers.specular * at(&textures.specular).w,
+        specular_color: layers.specular_color * at(&textures.specular_color).truncate(),
+        clearcoat: layers.clearcoat * at(&textures.clearcoat).x,
+        clearcoat_roughness: layers.clearcoat_roughness * at(&textures.clearcoat_roughness).y,
+        sheen_color: layers.sheen_color * at(&textures.sheen_color).truncate(),
+        sheen_roughness: layers.sheen_roughness * at(&textures.sheen_roughness).w,
+        iridescence: layers.iridescence * at(&textures.iridescence).x,
+        ..*layers
     }
 }

@@ -1,13 +1,13 @@
 //! The surfaces at many hits of one instance, in lanes.
 
+mod places;
+
 use crate::{
-    Bsdf, Geometry, InstanceId, Material, MaterialId, Mesh, Scene, SceneBvh, SurfaceInteraction,
+    Bsdf, Geometry, InstanceId, Layers, Material, MaterialId, Mesh, Scene, SceneBvh,
+    SurfaceInteraction,
     mesh_lanes::MeshLanes,
     mesh_point::{mesh_color, mesh_uvs},
-    surface::{
-        Place, ToWorld, image_uv, material_at, side_of, surface_error, surface_interaction,
-        towards_viewer, turn_to_viewer,
-    },
+    surface::{ToWorld, image_uv, material_at, side_of, surface_error, surface_interaction},
 };
 use umbriel_kernels::{
     Hit, LANES, Lanes, PointLanes, Ray, Surface, Vec3Lanes,
@@ -41,6 +41,11 @@ pub(crate) struct SurfaceLanes {
     ior: f32,
     thin_walled: bool,
     unlit: bool,
+    /// Whether the material is opaque and has no layers.
+    pub(crate) is_plain: bool,
+    /// Whether there is anything in `layers`.
+    pub(crate) has_layers: bool,
+    layers: [Layers; LANES],
     /// The material of all lanes, up to its `eta`, where there are no textures.
     pub(crate) uniform: Option<Bsdf>,
 }
@@ -67,6 +72,9 @@ impl Default for SurfaceLanes {
             ior: 1.0,
             thin_walled: false,
             unlit: false,
+            is_plain: true,
+            has_layers: false,
+            layers: [Layers::NONE; LANES],
             uniform: None,
         }
     }
@@ -87,17 +95,17 @@ impl SurfaceLanes {
         let scene = bvh.scene();
         let placed = &scene.instances[instance as usize];
         let material = &scene.materials[placed.material.index()];
+        self.sort(material);
         match placed.geometry {
             Geometry::Surface(id)
-                if material.normal_texture.is_none()
-                    && bvh.to_object(InstanceId(instance)).is_none() =>
+                if !material.needs_tangent() && bvh.to_object(InstanceId(instance)).is_none() =>
             {
                 let surface = &scene.surfaces[id.index()];
                 self.settle(surface, hits, material.is_textured());
                 self.orient(placed.inside_out);
                 self.look_up(scene, material, !material.is_textured(), Self::image_uvs);
             }
-            Geometry::Mesh(id) if material.normal_texture.is_none() => {
+            Geometry::Mesh(id) if !material.needs_tangent() => {
                 let mesh = &scene.meshes[id.index()];
                 for (i, (ray, hit)) in hits.enumerate().take(LANES) {
                     self.mesh.set(i, &hit);
@@ -137,6 +145,7 @@ impl SurfaceLanes {
         let scene = bvh.scene();
         let placed = &scene.instances[instance as usize];
         let material = &scene.materials[placed.material.index()];
+        self.sort(material);
         let to_object = bvh.to_object(InstanceId(instance));
         let to_world = to_object.map(|back| ToWorld::new(&placed.transform, back));
         self.settle_mesh(mesh, to_world.as_ref(), placed.inside_out);
@@ -157,6 +166,16 @@ impl SurfaceLanes {
     /// The surface of lane `i`.
     #[inline(always)]
     pub(crate) fn get(&self, i: usize) -> SurfaceInteraction {
+        let mut surface = self.get_base(i);
+        if self.has_layers {
+            surface.bsdf.layers = Some(self.layers[i]);
+        }
+        surface
+    }
+
+    /// The surface of lane `i` but for its layers.
+    #[inline(always)]
+    pub(crate) fn get_base(&self, i: usize) -> SurfaceInteraction {
         SurfaceInteraction {
             p: self.points.p.get(i),
             error: self.error.get(i),
@@ -176,8 +195,16 @@ impl SurfaceLanes {
                 eta: self.eta[i],
                 thin_walled: self.thin_walled,
                 unlit: self.unlit,
+                layers: None,
             },
         }
+    }
+
+    /// Which of the shading functions are for the material.
+    #[inline(always)]
+    fn sort(&mut self, material: &Material) {
+        self.has_layers = material.has_layers();
+        self.is_plain = !self.has_layers && material.transmission == 0.0;
     }
 
     /// Whether the material shows its colour without light.
@@ -242,6 +269,9 @@ impl SurfaceLanes {
         self.roughness[i] = bsdf.roughness;
         self.transmission[i] = bsdf.transmission;
         self.eta[i] = bsdf.eta;
+        if let Some(layers) = bsdf.layers {
+            self.layers[i] = layers;
+        }
         // These have no textures.
         self.ior = bsdf.ior;
         self.thin_walled = bsdf.thin_walled;
@@ -257,58 +287,6 @@ impl SurfaceLanes {
             self.wo.set(i, -ray.dir);
         }
         self.points.settle(self.len, surface, with_uv);
-    }
-
-    /// Positions and normals on a mesh.
-    #[inline(always)]
-    fn settle_mesh(&mut self, mesh: &Mesh, to_world: Option<&ToWorld>, inside_out: bool) {
-        match (mesh.normals.is_empty(), to_world) {
-            (true, None) => self.set_places(
-                inside_out,
-                #[inline(always)]
-                |mesh, i, _| mesh.flat(i),
-            ),
-            (true, Some(to_world)) => self.set_places(
-                inside_out,
-                #[inline(always)]
-                |mesh, i, _| to_world.place(mesh.flat(i)),
-            ),
-            (false, None) => self.set_places(
-                inside_out,
-                #[inline(always)]
-                |mesh, i, wo| mesh.smooth(i, wo),
-            ),
-            (false, Some(to_world)) => self.set_places(
-                inside_out,
-                #[inline(always)]
-                |mesh, i, wo| to_world.place(mesh.smooth(i, to_world.way_back(wo))),
-            ),
-        }
-    }
-
-    /// Takes the places on the mesh down, with normals on the side that is seen.
-    #[inline(always)]
-    fn set_places(&mut self, inside_out: bool, place: impl Fn(&MeshLanes, usize, Vec3) -> Place) {
-        let mut away = 0;
-        // One way out of the loop: with another the compiler does the last lanes one by one.
-        for i in 0..whole_vectors(self.len) {
-            let wo = self.wo.get(i);
-            let (place, side) = turn_to_viewer(place(&self.mesh, i, wo), inside_out, wo);
-            away |= u32::from(!(place.ns.dot(wo) >= 0.0));
-            self.side[i] = side;
-            self.points.p.set(i, place.p);
-            self.error.set(i, place.error);
-            self.shadow_p.set(i, place.p + place.lift);
-            self.ng.set(i, place.ng);
-            self.ns.set(i, place.ns);
-        }
-        // Only near silhouettes.
-        if away != 0 {
-            for i in 0..whole_vectors(self.len) {
-                let (ns, ng) = (self.ns.get(i), self.ng.get(i));
-                self.ns.set(i, towards_viewer(ns, ng, self.wo.get(i)));
-            }
-        }
     }
 
     /// Where the textures of an analytic surface are read.
@@ -378,6 +356,9 @@ impl SurfaceLanes {
         self.ior = bsdf.ior;
         self.thin_walled = bsdf.thin_walled;
         self.unlit = bsdf.unlit;
+        if let Some(layers) = bsdf.layers {
+            self.layers = [layers; LANES];
+        }
         self.uniform = Some(*bsdf);
     }
 }
@@ -389,8 +370,15 @@ pub(crate) fn for_lanes(
     values: &mut Vec3Lanes,
     value: impl Fn(usize, &SurfaceInteraction) -> Vec3,
 ) {
-    for i in 0..whole_vectors(surfaces.len) {
-        values.set(i, value(i, &surfaces.get(i)));
+    // Without layers the loop runs in lanes.
+    if surfaces.has_layers {
+        for i in 0..whole_vectors(surfaces.len) {
+            values.set(i, value(i, &surfaces.get(i)));
+        }
+    } else {
+        for i in 0..whole_vectors(surfaces.len) {
+            values.set(i, value(i, &surfaces.get_base(i)));
+        }
     }
 }
 

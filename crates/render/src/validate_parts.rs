@@ -4,7 +4,7 @@ use crate::validate::{
     Check, check, check_axis, check_color, check_direction, check_finite, check_positive,
     check_unit,
 };
-use crate::{AlphaMode, Camera, Light, Material, Mesh, Projection, Texture, TextureRef};
+use crate::{AlphaMode, Camera, Layers, Light, Material, Mesh, Projection, Texture, TextureRef};
 use std::f32::consts::{FRAC_PI_2, PI};
 use umbriel_kernels::glam::{Vec2, Vec3, Vec4};
 use umbriel_kernels::{Cone, Cuboid, MeshBvh, Rectangle, Surface, Torus};
@@ -215,6 +215,12 @@ pub(crate) fn check_material(material: &Material, textures: usize) -> Check {
         let in_range = cutoff >= 0.0 && cutoff.is_finite();
         check(in_range, "alpha_cutoff", cutoff, "0 or greater")?;
     }
+    check_layers(&material.layers)?;
+    let layers = material.layer_textures.all();
+    for (field, used) in &layers {
+        used.as_ref()
+            .map_or(Ok(()), |used| check_use(field, used, textures))?;
+    }
     check_texture_uses(material, textures)
 }
 
@@ -240,6 +246,42 @@ fn check_texture_uses(material: &Material, textures: usize) -> Check {
         used.as_ref()
             .map_or(Ok(()), |u| check_use(field, u, textures))
     })
+}
+
+fn check_layers(layers: &Layers) -> Check {
+    check_unit("specular", layers.specular)?;
+    check_color("specular_color", layers.specular_color)?;
+    check_unit("clearcoat", layers.clearcoat)?;
+    check_unit("clearcoat_roughness", layers.clearcoat_roughness)?;
+    let color = layers.sheen_color;
+    let in_range = color.min_element() >= 0.0 && color.max_element() <= 1.0 && color.is_finite();
+    check(
+        in_range,
+        "sheen_color",
+        color,
+        "from 0 to 1 in every component",
+    )?;
+    check_unit("sheen_roughness", layers.sheen_roughness)?;
+    check_unit("iridescence", layers.iridescence)?;
+    let ior = layers.iridescence_ior;
+    let expected = "1 or greater and finite";
+    check(
+        ior >= 1.0 && ior.is_finite(),
+        "iridescence_ior",
+        ior,
+        expected,
+    )?;
+    let thickness = layers.iridescence_thickness;
+    let expected = "0 or greater, in nanometres, and finite";
+    check(
+        thickness >= 0.0 && thickness.is_finite(),
+        "iridescence_thickness",
+        thickness,
+        expected,
+    )?;
+    check_unit("anisotropy", layers.anisotropy)?;
+    let angle = layers.anisotropy_rotation;
+    check(angle.is_finite(), "anisotropy_rotation", angle, "finite")
 }
 
 fn check_use(field: &'static str, used: &TextureRef, textures: usize) -> Check {

@@ -29,6 +29,7 @@ pub(crate) fn ambient(
     ambient: &mut Vec3Lanes,
 ) -> bool {
     if let Some(bsdf) = surfaces.uniform
+        && bsdf.layers.is_none()
         && bsdf.diffuse_color() == Vec3::ZERO
         && mirror_share(bsdf.roughness) == 1.0
     {
@@ -41,7 +42,9 @@ pub(crate) fn ambient(
         #[inline(always)]
         |_, surface| {
             let share = mirror_share(surface.bsdf.roughness);
-            ambient_reflection(environment, surface, 1.0 - share)
+            let coat = surface.bsdf.layers;
+            let coat = coat.map_or(0.0, |coat| mirror_share(coat.clearcoat_roughness));
+            ambient_reflection(environment, surface, 1.0 - share, 1.0 - coat)
         },
     );
     true
@@ -131,13 +134,22 @@ pub(crate) fn spawn(
     mirrored: &mut OnwardLanes,
     refracted: &mut OnwardLanes,
 ) {
-    for i in 0..whole_vectors(surfaces.len) {
-        let surface = surfaces.get(i);
-        let (reflected, transmitted) = surface.bsdf.split(surface.ns.dot(surface.wo));
-        let share = mirror_share(surface.bsdf.roughness);
-        mirrored.weight.set(i, weights.get(i) * reflected * share);
-        refracted.weight.set(i, weights.get(i) * transmitted);
-    }
+    for_lanes(
+        surfaces,
+        &mut mirrored.weight,
+        #[inline(always)]
+        |i, surface| weights.get(i) * mirrored_share(surface),
+    );
+    for_lanes(
+        surfaces,
+        &mut refracted.weight,
+        #[inline(always)]
+        |i, surface| {
+            let cos_o = surface.ns.dot(surface.wo);
+            let (_, transmitted) = surface.bsdf.split(cos_o);
+            weights.get(i) * surface.bsdf.beneath(cos_o) * transmitted
+        },
+    );
     mirrored.start(
         surfaces,
         least,
@@ -150,6 +162,18 @@ pub(crate) fn spawn(
         #[inline(always)]
         |s| refracted_direction(s),
     );
+}
+
+/// What the mirrored ray stands for, by colour: of the base, and of its coat.
+#[inline(always)]
+fn mirrored_share(surface: &SurfaceInteraction) -> Vec3 {
+    let (bsdf, cos_o) = (&surface.bsdf, surface.ns.dot(surface.wo));
+    let (reflected, _) = bsdf.split(cos_o);
+    let base = reflected * mirror_share(bsdf.roughness);
+    bsdf.layers.map_or(base, |layers| {
+        let coat = layers.coat(cos_o) * mirror_share(layers.clearcoat_roughness);
+        base * layers.beneath(cos_o) + Vec3::splat(coat)
+    })
 }
 
 /// Mirrors at the shading normal, or at the geometric normal where that would point into the surface.

@@ -1,14 +1,16 @@
 //! Sampling routines against their densities: chi-square tests over the sphere of directions, a million samples each.
 
+#[path = "chi_square/lobes.rs"]
+mod lobes;
+
 use std::f64::consts::{PI, TAU};
 use umbriel_render::{
-    Bsdf, DirectionSample, PixelSampler, eval_ggx, eval_ggx_transmission,
+    DirectionSample, PixelSampler,
     kernels::{
         Triangle,
         glam::{Vec2, Vec3},
     },
-    pdf_diffuse, pdf_disk, pdf_ggx, pdf_ggx_transmission, pdf_rectangle, pdf_sphere, pdf_triangle,
-    reflect, refract, refracting_half, sample_diffuse, sample_disk, sample_ggx, sample_rectangle,
+    pdf_disk, pdf_rectangle, pdf_sphere, pdf_triangle, sample_disk, sample_rectangle,
     sample_sphere, sample_triangle,
 };
 
@@ -244,173 +246,4 @@ fn triangles() {
         |u| sample_triangle(Vec3::ZERO, &triangle, u),
         pdf,
     );
-}
-
-/// A direction without an end.
-fn towards(wi: Vec3, pdf: f32) -> DirectionSample {
-    DirectionSample {
-        wi,
-        distance: f32::INFINITY,
-        pdf,
-    }
-}
-
-#[test]
-fn diffuse_lobe() {
-    let n = Vec3::new(0.3, 0.8, -0.4).normalize();
-    let sample = |u| {
-        let wi = sample_diffuse(n, u);
-        Some(towards(wi, pdf_diffuse(n, wi)))
-    };
-    check("diffuse", n, sample, |wi| f64::from(pdf_diffuse(n, wi)));
-}
-
-/// Directions behind the surface count as samples, too: they are the light that the next bounce between facets would carry.
-#[test]
-fn rough_mirrors() {
-    let n = Vec3::new(0.3, 0.8, -0.4).normalize();
-    let (x, _) = n.any_orthonormal_pair();
-    for (alpha, cos_o) in [(0.25_f32, 0.9_f32), (0.5, 0.2), (1.0, 0.5)] {
-        let wo = n * cos_o + x * (1.0 - cos_o * cos_o).sqrt();
-        let density = |wi: Vec3| pdf_ggx(alpha, n, (wo + wi).normalize_or(n), wo);
-        let sample = |u| {
-            let half = sample_ggx(alpha, n, wo, u);
-            Some(towards(reflect(wo, half), pdf_ggx(alpha, n, half, wo)))
-        };
-        // Half vectors lie above the surface.
-        let pdf = |wi: Vec3| {
-            if (wo + wi).dot(n) > 0.0 {
-                f64::from(density(wi))
-            } else {
-                0.0
-            }
-        };
-        check("rough mirror", reflect(wo, n), sample, pdf);
-    }
-}
-
-/// Refraction, without what is totally reflected inside.
-#[test]
-fn rough_glass() {
-    let n = Vec3::new(0.3, 0.8, -0.4).normalize();
-    let (x, _) = n.any_orthonormal_pair();
-    for (alpha, eta, cos_o) in [(0.3_f32, 1.5_f32, 0.8_f32), (0.6, 1.5, 0.4)] {
-        let wo = n * cos_o + x * (1.0 - cos_o * cos_o).sqrt();
-        let sample = |u| {
-            let half = sample_ggx(alpha, n, wo, u);
-            let wi = refract(wo, half, eta)?;
-            Some(towards(
-                wi,
-                pdf_ggx_transmission(alpha, eta, n, half, wo, wi),
-            ))
-        };
-        let pdf = |wi: Vec3| {
-            let half = refracting_half(eta, n, wo, wi);
-            half.map_or(0.0, |half| {
-                f64::from(pdf_ggx_transmission(alpha, eta, n, half, wo, wi))
-            })
-        };
-        check("rough glass", -n, sample, pdf);
-    }
-}
-
-/// What the lobe's samples weigh, `f cos / p`, is the masking of the second direction alone: in `[0, 1]`.
-#[test]
-fn weights_of_visible_normals_are_maskings() {
-    let n = Vec3::Y;
-    for (alpha, cos_o) in [(0.1_f32, 0.9_f32), (0.5, 0.2), (1.0, 0.05)] {
-        let wo = n * cos_o + Vec3::X * (1.0 - cos_o * cos_o).sqrt();
-        for i in 0..10_000 {
-            let half = sample_ggx(alpha, n, wo, random(i));
-            let wi = reflect(wo, half);
-            if wi.y > 1e-4 {
-                let weight = eval_ggx(alpha, n, half, wo, wi) * wi.y / pdf_ggx(alpha, n, half, wo);
-                assert!(
-                    (0.0..=1.0001).contains(&weight),
-                    "{alpha} {cos_o}: {weight}"
-                );
-            }
-            if let Some(wi) = refract(wo, half, 1.5) {
-                let f = eval_ggx_transmission(alpha, 1.5, n, half, wo, wi);
-                let weight = f / pdf_ggx_transmission(alpha, 1.5, n, half, wo, wi);
-                assert!(
-                    (0.0..=1.0001).contains(&weight) || wi.y >= 0.0,
-                    "{alpha} {cos_o}: {weight}"
-                );
-            }
-        }
-    }
-}
-
-fn plastic() -> Bsdf {
-    Bsdf {
-        base_color: Vec3::new(0.8, 0.5, 0.2),
-        alpha: 1.0,
-        metallic: 0.0,
-        roughness: 0.5,
-        emission: Vec3::ZERO,
-        transmission: 0.0,
-        ior: 1.5,
-        eta: 1.5,
-        thin_walled: false,
-        unlit: false,
-    }
-}
-
-/// Whole materials: what [`Bsdf::sample`] chooses has the density [`Bsdf::pdf`], and the weight is that of [`Bsdf::eval_through`].
-#[test]
-fn materials() {
-    let n = Vec3::new(0.3, 0.8, -0.4).normalize();
-    let (x, _) = n.any_orthonormal_pair();
-    let wo = n * 0.7 + x * (1.0 - 0.49_f32).sqrt();
-    let metal = Bsdf {
-        metallic: 1.0,
-        ..plastic()
-    };
-    let frosted = Bsdf {
-        transmission: 0.6,
-        roughness: 0.6,
-        ..plastic()
-    };
-    let leaf = Bsdf {
-        transmission: 0.5,
-        thin_walled: true,
-        eta: 1.0,
-        roughness: 0.7,
-        ..plastic()
-    };
-    for (name, bsdf) in [
-        ("plastic", plastic()),
-        ("metal", metal),
-        ("frosted", frosted),
-        ("leaf", leaf),
-    ] {
-        let mut lost = 0.0;
-        let mut counts = vec![0.0; ROWS * COLUMNS];
-        for i in 0..SAMPLES {
-            let lobe = random(i ^ 0x00ff_0000).x;
-            match bsdf.sample(n, wo, lobe, random(i)) {
-                None => lost += 1.0,
-                Some(s) => {
-                    assert!((s.pdf / bsdf.pdf(n, wo, s.wi) - 1.0).abs() < 1e-3);
-                    let f = bsdf.eval_through(n, wo, s.wi);
-                    assert!(
-                        (s.weight * s.pdf - f).length() <= 1e-3 * f.length(),
-                        "{name}"
-                    );
-                    counts[bin(n, s.wi)] += 1.0;
-                }
-            }
-        }
-        let shares = integral(n, |wi| f64::from(bsdf.pdf(n, wo, wi)));
-        let expected: Vec<f64> = shares.iter().map(|s| s * f64::from(SAMPLES)).collect();
-        let inside: f64 = shares.iter().sum();
-        // What the rough lobes send behind the surface is lost.
-        assert!(
-            (inside + lost / f64::from(SAMPLES) - 1.0).abs() < 5e-3,
-            "{name}: {inside} {lost}"
-        );
-        let z = deviations(&counts, &expected);
-        assert!(z < LIMIT, "{name}: {z} standard deviations");
-    }
 }

@@ -1,6 +1,10 @@
 //! Materials and their extensions.
 
-use super::{json::Json, texture::Textures};
+use super::{
+    json::Json,
+    layers::{read_layers, unit_factor},
+    texture::Textures,
+};
 use crate::{FileError, Report};
 use umbriel_kernels::glam::Vec3;
 use umbriel_render::{AlphaMode, Encoding, Material, Scene};
@@ -40,11 +44,8 @@ pub(super) fn read_material(
         let [r, g, b, a] = pbr.numbers("baseColorFactor")?.unwrap_or([1.0; 4]);
         material.base_color = unit(Vec3::new(r, g, b));
         material.alpha = a.clamp(0.0, 1.0);
-        material.metallic = pbr.number("metallicFactor")?.unwrap_or(1.0).clamp(0.0, 1.0);
-        material.roughness = pbr
-            .number("roughnessFactor")?
-            .unwrap_or(1.0)
-            .clamp(0.0, 1.0);
+        material.metallic = unit_factor(&pbr, "metallicFactor", 1.0, report)?;
+        material.roughness = unit_factor(&pbr, "roughnessFactor", 1.0, report)?;
         material.base_color_texture =
             textures.read(&pbr, "baseColorTexture", Encoding::Srgb, scene, report)?;
         material.metallic_roughness_texture = textures.read(
@@ -94,10 +95,7 @@ fn read_extensions(
         material.ior = if value < 1.0 { 1.5 } else { value };
     }
     if let Some(glass) = json.extension("KHR_materials_transmission")? {
-        material.transmission = glass
-            .number("transmissionFactor")?
-            .unwrap_or(0.0)
-            .clamp(0.0, 1.0);
+        material.transmission = unit_factor(&glass, "transmissionFactor", 0.0, report)?;
         material.transmission_texture = textures.read(
             &glass,
             "transmissionTexture",
@@ -119,6 +117,7 @@ fn read_extensions(
         let distance = volume.number("attenuationDistance")?.filter(|d| *d > 0.0);
         material.attenuation_distance = distance.unwrap_or(f32::INFINITY);
     }
+    read_layers(json, material, textures, scene, report)?;
     material.unlit = json.extension("KHR_materials_unlit")?.is_some();
     Ok(())
 }

@@ -7,6 +7,7 @@ mod accessor;
 mod buffer;
 mod glb;
 mod json;
+mod layers;
 mod light_camera;
 mod material;
 mod node;
@@ -21,11 +22,16 @@ use std::path::Path;
 use umbriel_render::Scene;
 
 /// Extensions that are drawn.
-const SUPPORTED: [&str; 9] = [
+const SUPPORTED: [&str; 14] = [
     "KHR_lights_punctual",
+    "KHR_materials_anisotropy",
+    "KHR_materials_clearcoat",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_iridescence",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_materials_sheen",
+    "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_volume",

@@ -1,13 +1,14 @@
 //! What may stand in a scene file. The doc comments become the descriptions in the JSON Schema.
 
 use super::implicit::ImplicitTable;
+use super::material_table::MaterialTable;
 use super::shadow_map::ShadowMapTable;
 use super::shapes::TransformTable;
 use super::shapes::{
     BoxTable, ConeTable, CylinderTable, DiskTable, PlaneTable, RectangleTable, SphereTable,
     TorusTable,
 };
-use super::values::{Color, Resolution, TextureUse, Vec3};
+use super::values::{Color, Resolution, Vec3};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -169,66 +170,6 @@ pub(super) struct CameraTable {
     pub fov: Option<f32>,
     /// Height of the picture in metres, for an orthographic camera; in place of `fov`.
     pub height: Option<f32>,
-}
-
-/// A material: glTF's metallic-roughness model with transmission.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub(super) struct MaterialTable {
-    /// Name by which things refer to it.
-    pub name: String,
-    /// Albedo, reflectance of a metal, or tint of transmitted light; each component 0 to 1. White by default.
-    pub base_color: Option<Color>,
-    /// Opacity, 0 to 1; see `alpha_mode`.
-    pub alpha: Option<f32>,
-    /// Multiplies `base_color` and `alpha`.
-    pub base_color_texture: Option<TextureUse>,
-    /// 0 (default) for dielectrics, 1 for metals.
-    pub metallic: Option<f32>,
-    /// Perceptual roughness: 0 is a perfect mirror, 1 (default) fully rough.
-    pub roughness: Option<f32>,
-    /// Multiplies `roughness` by its green and `metallic` by its blue channel.
-    pub metallic_roughness_texture: Option<TextureUse>,
-    /// Tangent-space normal map.
-    pub normal_texture: Option<TextureUse>,
-    /// Scales the x and y of the normal map.
-    pub normal_scale: Option<f32>,
-    /// Emitted radiance in nit.
-    pub emission: Option<Color>,
-    /// Multiplies `emission`.
-    pub emission_texture: Option<TextureUse>,
-    /// Fraction of the light entering a dielectric that passes through, 0 (default) to 1.
-    pub transmission: Option<f32>,
-    /// Multiplies `transmission` by its red channel.
-    pub transmission_texture: Option<TextureUse>,
-    /// Index of refraction, at least 1; 1.5 by default.
-    pub ior: Option<f32>,
-    /// An infinitely thin sheet: transmitted light is not bent.
-    pub thin_walled: Option<bool>,
-    /// The colour that white light has after `attenuation_distance` inside; above 0, up to 1.
-    pub attenuation_color: Option<Color>,
-    /// Distance in metres of the absorption; infinite by default.
-    pub attenuation_distance: Option<f32>,
-    /// What alpha means.
-    pub alpha_mode: Option<AlphaModeName>,
-    /// Alpha below which `alpha_mode = "mask"` makes a hole; 0.5 by default.
-    pub alpha_cutoff: Option<f32>,
-    /// Back faces are shaded as fronts.
-    pub double_sided: Option<bool>,
-    /// Shows its base colour without any light.
-    pub unlit: Option<bool>,
-}
-
-/// What alpha means.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum AlphaModeName {
-    /// Ignored.
-    Opaque,
-    /// A hole where alpha is below `alpha_cutoff`.
-    Mask,
-    /// Covers the fraction alpha of what is behind.
-    Blend,
 }
 
 /// Unit squares in texture space, alternating in both directions.

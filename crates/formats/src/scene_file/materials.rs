@@ -2,17 +2,38 @@
 
 use super::convert::{Builder, Spot};
 use super::diagnose::hint;
-use super::document::{
-    AlphaModeName, EncodingName, FilterName, ImageTable, MaterialTable, WrapName,
-};
+use super::document::{EncodingName, FilterName, ImageTable, WrapName};
+use super::material_table::{AlphaModeName, MaterialTable};
 use super::values::TextureUse;
 use crate::folder::{NameSyntax, resolve};
 use crate::{FileError, load_texture, sniff};
 use umbriel_render::kernels::glam::{Affine2, Vec2, Vec3};
 use umbriel_render::{
-    AlphaMode, Checker, Element, Encoding, Filter, Material, MaterialId, Texture, TextureId,
-    TextureRef, Wrap,
+    AlphaMode, Checker, Element, Encoding, Filter, LayerTextures, Layers, Material, MaterialId,
+    Texture, TextureId, TextureRef, Wrap,
 };
+
+fn layers(table: &MaterialTable) -> Layers {
+    let base = Layers::NONE;
+    Layers {
+        specular: table.specular.unwrap_or(base.specular),
+        specular_color: table.specular_color.map_or(base.specular_color, Vec3::from),
+        clearcoat: table.clearcoat.unwrap_or(base.clearcoat),
+        clearcoat_roughness: table
+            .clearcoat_roughness
+            .unwrap_or(base.clearcoat_roughness),
+        sheen_color: table.sheen_color.map_or(base.sheen_color, Vec3::from),
+        sheen_roughness: table.sheen_roughness.unwrap_or(base.sheen_roughness),
+        iridescence: table.iridescence.unwrap_or(base.iridescence),
+        iridescence_ior: table.iridescence_ior.unwrap_or(base.iridescence_ior),
+        iridescence_thickness: table
+            .iridescence_thickness
+            .unwrap_or(base.iridescence_thickness),
+        anisotropy: table.anisotropy.unwrap_or(base.anisotropy),
+        anisotropy_rotation: table.anisotropy_rotation.unwrap_or(0.0).to_radians(),
+        tangent: base.tangent,
+    }
+}
 
 impl Builder<'_> {
     /// Adds the textures of all parts.
@@ -120,6 +141,22 @@ impl Builder<'_> {
             attenuation_distance: table
                 .attenuation_distance
                 .unwrap_or(base.attenuation_distance),
+            layers: layers(table),
+            layer_textures: LayerTextures {
+                specular: texture("specular_texture", &table.specular_texture)?,
+                specular_color: texture("specular_color_texture", &table.specular_color_texture)?,
+                clearcoat: texture("clearcoat_texture", &table.clearcoat_texture)?,
+                clearcoat_roughness: texture(
+                    "clearcoat_roughness_texture",
+                    &table.clearcoat_roughness_texture,
+                )?,
+                sheen_color: texture("sheen_color_texture", &table.sheen_color_texture)?,
+                sheen_roughness: texture(
+                    "sheen_roughness_texture",
+                    &table.sheen_roughness_texture,
+                )?,
+                iridescence: texture("iridescence_texture", &table.iridescence_texture)?,
+            },
             alpha_mode: self.alpha_mode(spot, table)?,
             double_sided: table.double_sided.unwrap_or(base.double_sided),
             unlit: table.unlit.unwrap_or(base.unlit),

@@ -5,6 +5,7 @@ mod diagnose;
 mod document;
 mod implicit;
 mod include;
+mod material_table;
 mod materials;
 mod merge;
 mod overrides;

@@ -51,6 +51,41 @@ fn fault(from: &str, to: &str) -> String {
         .to_owned()
 }
 
+/// Factors out of their ranges are brought into them, and said.
+#[test]
+fn layers_are_read_and_brought_into_their_ranges() {
+    let material = r#"{"asset":{"version":"2.0"},"materials":[{"pbrMetallicRoughness":{"roughnessFactor":-2},"extensions":{
+"KHR_materials_clearcoat":{"clearcoatFactor":0.5,"clearcoatRoughnessFactor":7},
+"KHR_materials_sheen":{"sheenColorFactor":[0.1,2,0.3],"sheenRoughnessFactor":0.4},
+"KHR_materials_specular":{"specularFactor":0.25,"specularColorFactor":[3,1,-1]},
+"KHR_materials_iridescence":{"iridescenceFactor":1,"iridescenceIor":1.8,"iridescenceThicknessMaximum":250},
+"KHR_materials_anisotropy":{"anisotropyStrength":0.6,"anisotropyRotation":1.5}}}],"#;
+    let json = triangle_json()
+        .replace(r#"{"asset":{"version":"2.0"},"#, material)
+        .replace(r#""primitives":[{"#, r#""primitives":[{"material":0,"#);
+    let (scene, report) = import("t.glb", glb(&json, &triangle_bytes())).unwrap();
+    let made = scene.materials.iter().find(|m| m.layers.clearcoat == 0.5);
+    let material = made.expect("the material of the triangle");
+    let layers = &material.layers;
+    assert_eq!((material.roughness, layers.clearcoat_roughness), (0.0, 1.0));
+    assert_eq!(layers.sheen_color.to_array(), [0.1, 1.0, 0.3]);
+    assert_eq!((layers.sheen_roughness, layers.specular), (0.4, 0.25));
+    assert_eq!(layers.specular_color.to_array(), [3.0, 1.0, 0.0]);
+    assert_eq!(
+        (layers.iridescence_ior, layers.iridescence_thickness),
+        (1.8, 250.0)
+    );
+    assert_eq!((layers.anisotropy, layers.anisotropy_rotation), (0.6, 1.5));
+    let said: Vec<&str> = report.ignored.keys().map(String::as_str).collect();
+    assert_eq!(
+        said,
+        [
+            "clearcoatRoughnessFactor outside of 0 to 1",
+            "roughnessFactor outside of 0 to 1"
+        ]
+    );
+}
+
 #[test]
 fn the_triangle_itself_is_fine() {
     let (scene, report) = import("t.glb", glb(&triangle_json(), &triangle_bytes())).unwrap();

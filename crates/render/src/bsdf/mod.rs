@@ -1,14 +1,24 @@
 //! A material evaluated at a point: glTF's metallic-roughness model, one file a lobe.
 
 mod diffuse;
+mod energy;
 mod ggx;
+mod ggx_anisotropic;
 mod ggx_transmission;
+mod iridescence;
+mod layers;
 mod sample;
+mod sheen;
 
 pub use diffuse::{eval_diffuse, pdf_diffuse, sample_diffuse};
-pub use ggx::{albedo_ggx, eval_ggx, pdf_ggx, sample_ggx};
+pub use energy::{Albedo, albedo_sheen};
+pub use ggx::{eval_ggx, pdf_ggx, sample_ggx, sample_ggx_visible};
+pub use ggx_anisotropic::Brush;
 pub use ggx_transmission::{eval_ggx_transmission, pdf_ggx_transmission, refracting_half};
+pub use iridescence::reflect_film;
+pub use layers::Layers;
 pub use sample::BsdfSample;
+pub use sheen::eval_sheen;
 
 use crate::fresnel::{fresnel_dielectric, fresnel_schlick, normal_reflectance};
 use umbriel_kernels::glam::Vec3;
@@ -37,10 +47,56 @@ pub struct Bsdf {
     pub thin_walled: bool,
     /// Shows `base_color` without light.
     pub unlit: bool,
+    /// Specular colour, film, brush, sheen and coat, where there are any.
+    pub layers: Option<Layers>,
+}
+
+impl Default for Bsdf {
+    /// A white, fully rough dielectric.
+    fn default() -> Self {
+        Self {
+            base_color: Vec3::ONE,
+            alpha: 1.0,
+            metallic: 0.0,
+            roughness: 1.0,
+            emission: Vec3::ZERO,
+            transmission: 0.0,
+            ior: 1.5,
+            eta: 1.5,
+            thin_walled: false,
+            unlit: false,
+            layers: None,
+        }
+    }
+}
+
+/// The width of a lobe of a perceptual roughness: its square, and 0 for a mirror alone.
+///
+/// Below 1e-3 the rounding of a direction's angle is as wide as the lobe.
+#[inline(always)]
+fn width(roughness: f32) -> f32 {
+    if roughness > 0.0 {
+        (roughness * roughness).max(1e-3)
+    } else {
+        0.0
+    }
+}
+
+/// Reflectance of a dielectric at grazing incidence: 1, but less for an index so near to 1 that it reflects less than 2 % of light from straight
+/// ahead, and 0 for what is no other medium at all.
+#[inline(always)]
+fn grazing_reflectance(normal: f32) -> f32 {
+    (50.0 * normal).min(1.0)
+}
+
+/// Schlick's approximation between two reflectances.
+#[inline(always)]
+fn schlick_between(cos: f32, f0: Vec3, f90: Vec3) -> Vec3 {
+    f0.lerp(f90, fresnel_schlick(cos, Vec3::ZERO).x)
 }
 
 impl Bsdf {
-    /// The specular colour at normal incidence: of the dielectric and the metal, mixed.
+    /// The specular colour at normal incidence without layers: of the dielectric and the metal, mixed.
     #[inline(always)]
     pub fn f0(&self) -> Vec3 {
         Vec3::splat(normal_reflectance(self.ior)).lerp(self.base_color, self.metallic)
@@ -52,59 +108,183 @@ impl Bsdf {
         self.base_color * ((1.0 - self.metallic) * (1.0 - self.transmission))
     }
 
+    /// Whether light leaves in the mirrored and the refracted direction only, or not at all.
+    #[inline(always)]
+    pub fn is_smooth(&self) -> bool {
+        self.roughness == 0.0
+            && self.diffuse_color() == Vec3::ZERO
+            && self.layers.is_none_or(|layers| {
+                layers.sheen_color == Vec3::ZERO
+                    && (layers.clearcoat == 0.0 || layers.clearcoat_roughness == 0.0)
+            })
+    }
+
     /// `f(wo, wi) · (wi·n)`: the reflected radiance over the illuminance of a light that the surface faces.
     ///
     /// Directions have unit length and point away from the surface, `n` is the shading normal on the side of
     /// `wo`. 0 where `wi` is behind the surface. A perfect mirror (roughness 0) shows no lights
-    /// without extent: their image is a point.
+    /// without extent: their image is a point. What lies beneath a lobe gets the light that the lobe does not reflect, as seen from `wo`
+    /// (albedo scaling), so that no material reflects more than it gets.
     ///
-    /// Source: Khronos, glTF 2.0 specification, appendix B, 2021.
-    #[inline(always)]
+    /// Source: Khronos, glTF 2.0 specification, appendix B, 2021, but for the scaling.
+    #[inline]
     pub fn eval(&self, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
+        if self.layers.is_none() && self.transmission == 0.0 {
+            return self.eval_plain(n, wo, wi);
+        }
         let cos_i = n.dot(wi);
         if !(cos_i > 0.0) {
             return Vec3::ZERO;
         }
         let half = (wo + wi).normalize_or(n);
-        let cos_h = wo.dot(half);
+        let base = self.eval_base(n, half, wo, wi);
+        self.layers
+            .map_or(base, |layers| layers.eval_over(base, n, half, wo, wi))
+            * cos_i
+    }
+
+    /// [`Bsdf::eval`] of an opaque material without layers, for loops over lanes.
+    #[inline(always)]
+    pub(crate) fn eval_plain(&self, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
+        let (cos_o, cos_i) = (n.dot(wo), n.dot(wi));
+        if !(cos_i > 0.0) {
+            return Vec3::ZERO;
+        }
+        let half = (wo + wi).normalize_or(n);
+        let albedo = Albedo::new(cos_o, self.roughness);
         let dielectric = normal_reflectance(self.ior);
-        // What the dielectric's surface reflects does not reach its inside.
-        let inside = 1.0 - fresnel_schlick(cos_h, Vec3::splat(dielectric)).x;
+        let grazing = grazing_reflectance(dielectric);
+        let inside = 1.0
+            - albedo
+                .reflected(Vec3::splat(dielectric), Vec3::splat(grazing))
+                .x;
         let mut f = eval_diffuse(self.diffuse_color() * inside);
-        let alpha = self.roughness * self.roughness;
+        let alpha = width(self.roughness);
         if alpha > 0.0 {
-            f += fresnel_schlick(cos_h, self.f0()) * eval_ggx(alpha, n, half, wo, wi);
+            let f0 = self.f0();
+            let f90 = Vec3::splat(grazing + (1.0 - grazing) * self.metallic);
+            f += schlick_between(wo.dot(half), f0, f90)
+                * albedo.compensation(f0)
+                * eval_ggx(alpha, n, half, wo, wi);
         }
         f * cos_i
     }
 
-    /// The fractions of light from the mirrored direction that a smooth surface reflects, and of light from the
-    /// other side that it lets through, by colour.
-    ///
-    /// `cos_o = n·wo`. Exact for the dielectric, Schlick's approximation for the metal; a thin wall reflects at both
-    /// of its sides, again and again:
+    /// Diffuse and specular reflection without coat and sheen.
+    fn eval_base(&self, n: Vec3, half: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
+        let cos_o = n.dot(wo);
+        let albedo = Albedo::new(cos_o, self.roughness);
+        let (d0, d90) = self.dielectric(cos_o);
+        let inside = 1.0 - albedo.reflected(d0, d90).max_element();
+        let f = eval_diffuse(self.diffuse_color() * inside);
+        let alpha = width(self.roughness);
+        if alpha == 0.0 {
+            return f;
+        }
+        let facets = match self.brush(n) {
+            Some(brush) => brush.eval(half, wo, wi),
+            None => eval_ggx(alpha, n, half, wo, wi),
+        };
+        let f0 = d0.lerp(self.metal(cos_o), self.metallic);
+        f + self.fresnel(wo.dot(half), cos_o) * albedo.compensation(f0) * facets
+    }
+
+    /// The axes of a brushed surface.
+    fn brush(&self, n: Vec3) -> Option<Brush> {
+        let layers = self.layers.filter(|layers| layers.anisotropy > 0.0)?;
+        Brush::new(width(self.roughness), layers.anisotropy, layers.tangent, n)
+    }
+
+    /// Reflectances of the dielectric at normal and at grazing incidence; a film's colours change with `cos_o`.
+    #[inline(always)]
+    fn dielectric(&self, cos_o: f32) -> (Vec3, Vec3) {
+        let f0 = Vec3::splat(normal_reflectance(self.ior));
+        let f90 = Vec3::splat(grazing_reflectance(f0.x));
+        self.layers.map_or((f0, f90), |layers| {
+            let f0 = (f0 * layers.specular_color).min(Vec3::ONE) * layers.specular;
+            let f90 = f90 * layers.specular;
+            (layers.film(cos_o, f0).min(f90), f90)
+        })
+    }
+
+    /// Reflectance of the metal at normal incidence.
+    #[inline(always)]
+    fn metal(&self, cos_o: f32) -> Vec3 {
+        self.layers.map_or(self.base_color, |layers| {
+            layers.film(cos_o, self.base_color)
+        })
+    }
+
+    /// What a facet reflects of light from the angle of cosine `cos`: by Schlick's approximation for what is opaque, exactly for what lets
+    /// light through.
+    #[inline(always)]
+    fn fresnel(&self, cos: f32, cos_o: f32) -> Vec3 {
+        let (f0, f90) = self.dielectric(cos_o);
+        let opaque = schlick_between(cos, f0, f90);
+        let clear = self.fresnel_clear(cos, f0, f90);
+        opaque
+            .lerp(clear, self.transmission)
+            .lerp(fresnel_schlick(cos, self.metal(cos_o)), self.metallic)
+    }
+
+    /// What the clear dielectric reflects; a thin wall reflects at both of its sides, again and again:
     /// ```text
-    /// R = F + (1−F)² F (1 + F² + F⁴ + ...) = 2F/(1 + F)      T = base colour · (1 − R) · transmission
+    /// R = F + (1−F)² F (1 + F² + F⁴ + ...) = 2F/(1 + F)
     /// ```
+    #[inline(always)]
+    fn fresnel_clear(&self, cos: f32, f0: Vec3, f90: Vec3) -> Vec3 {
+        let eta = if self.thin_walled { self.ior } else { self.eta };
+        let normal = normal_reflectance(self.ior);
+        // Between the reflectances as the exact one is between its own.
+        let share = (fresnel_dielectric(cos, eta) - normal) / (1.0 - normal);
+        let once = (f0 + (f90 - f0) * share).max(Vec3::ZERO);
+        if self.thin_walled {
+            once * 2.0 / (once + 1.0)
+        } else {
+            once
+        }
+    }
+
+    /// The fractions of light from the mirrored direction that a smooth base reflects, and of light from the
+    /// other side that it lets through, by colour. `cos_o = n·wo`.
+    ///
+    /// ```text
+    /// T = base colour · (1 − R) · transmission
+    /// ```
+    /// Coat and sheen leave it [`Bsdf::beneath`].
     #[inline(always)]
     pub fn split(&self, cos_o: f32) -> (Vec3, Vec3) {
         let cos = cos_o.clamp(0.0, 1.0);
-        let dielectric = if self.thin_walled {
-            let f = fresnel_dielectric(cos, self.ior);
-            2.0 * f / (1.0 + f)
-        } else {
-            fresnel_dielectric(cos, self.eta)
-        };
-        if self.metallic == 0.0 {
-            let through = self.base_color * (self.transmission * (1.0 - dielectric));
-            return (Vec3::splat(dielectric), through);
-        }
-        let metal = fresnel_schlick(cos, self.base_color);
-        let through = (1.0 - self.metallic) * self.transmission * (1.0 - dielectric);
+        self.split_facet(cos, cos)
+    }
+
+    /// [`Bsdf::split`] for a facet at an angle of cosine `cos` from `wo`.
+    #[inline(always)]
+    fn split_facet(&self, cos: f32, cos_o: f32) -> (Vec3, Vec3) {
+        let (f0, f90) = self.dielectric(cos_o);
+        let clear = self.fresnel_clear(cos, f0, f90);
+        let through = (1.0 - self.metallic) * self.transmission;
         (
-            Vec3::splat(dielectric).lerp(metal, self.metallic),
-            self.base_color * through,
+            self.fresnel(cos, cos_o),
+            self.base_color * (Vec3::ONE - clear).max(Vec3::ZERO) * through,
         )
+    }
+
+    /// The fraction of light that coat and sheen leave to the base, as seen from `cos_o = n·wo`.
+    #[inline(always)]
+    pub fn beneath(&self, cos_o: f32) -> f32 {
+        self.layers.map_or(1.0, |layers| layers.beneath(cos_o))
+    }
+
+    /// The fractions of uniform light from all sides that the base scatters diffusely and in its specular lobe, without transmission.
+    #[inline(always)]
+    pub(crate) fn albedos(&self, cos_o: f32) -> (Vec3, Vec3) {
+        let albedo = Albedo::new(cos_o, self.roughness);
+        let (d0, d90) = self.dielectric(cos_o);
+        let inside = 1.0 - albedo.reflected(d0, d90).max_element();
+        let f0 = d0.lerp(self.metal(cos_o), self.metallic);
+        let f90 = d90.lerp(Vec3::ONE, self.metallic);
+        (self.diffuse_color() * inside, albedo.reflected(f0, f90))
     }
 }
 
@@ -115,15 +295,11 @@ mod tests {
     fn glass() -> Bsdf {
         Bsdf {
             base_color: Vec3::ONE,
-            alpha: 1.0,
-            metallic: 0.0,
             roughness: 0.0,
-            emission: Vec3::ZERO,
             transmission: 1.0,
             ior: 1.5,
             eta: 1.5,
-            thin_walled: false,
-            unlit: false,
+            ..Bsdf::default()
         }
     }
 
@@ -156,23 +332,5 @@ mod tests {
             ..glass()
         };
         assert!((f64::from(wall.split(1.0).0.x) - series).abs() < 1e-6);
-    }
-
-    /// Reciprocity up to the cosine: f(wo, wi) = f(wi, wo).
-    #[test]
-    fn eval_is_reciprocal() {
-        let bsdf = Bsdf {
-            base_color: Vec3::new(0.8, 0.4, 0.2),
-            metallic: 0.3,
-            roughness: 0.4,
-            transmission: 0.0,
-            ..glass()
-        };
-        let n = Vec3::Y;
-        let wo = Vec3::new(0.3, 0.8, 0.1).normalize();
-        let wi = Vec3::new(-0.5, 0.4, 0.6).normalize();
-        let there = bsdf.eval(n, wo, wi) / wi.y;
-        let back = bsdf.eval(n, wi, wo) / wo.y;
-        assert!((there - back).length() < 1e-5 * there.length());
     }
 }

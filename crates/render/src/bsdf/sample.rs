@@ -1,10 +1,10 @@
 //! Directions in which a material scatters light, chosen at random by lobe.
 
 use super::{
-    Bsdf, eval_ggx_transmission, pdf_diffuse, pdf_ggx, pdf_ggx_transmission, refracting_half,
-    sample_diffuse, sample_ggx,
+    Bsdf, eval_ggx_transmission, ggx::pdf_ggx_visible, pdf_diffuse, pdf_ggx, pdf_ggx_transmission,
+    refracting_half, sample_diffuse, sample_ggx, sample_ggx_visible, width,
 };
-use crate::fresnel::{fresnel_dielectric, reflect, refract};
+use crate::fresnel::{reflect, refract};
 use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// A direction in which light is scattered, chosen at random.
@@ -23,9 +23,42 @@ pub struct BsdfSample {
 /// With what probability each lobe is chosen; they sum to 1.
 #[derive(Clone, Copy, Debug)]
 struct Lobes {
-    specular: f32,
+    /// Of the cosine: diffuse light and sheen.
     diffuse: f32,
+    specular: f32,
     transmitted: f32,
+    coat: f32,
+}
+
+/// Which lobe was chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Lobe {
+    Diffuse,
+    Specular,
+    Transmitted,
+    Coat,
+}
+
+impl Lobes {
+    fn choose(&self, random: f32) -> Lobe {
+        let mut rest = random;
+        let lobes = [
+            (Lobe::Diffuse, self.diffuse),
+            (Lobe::Specular, self.specular),
+            (Lobe::Transmitted, self.transmitted),
+        ];
+        for (lobe, probability) in lobes {
+            if rest < probability {
+                return lobe;
+            }
+            rest -= probability;
+        }
+        // What rounding leaves over is given to a lobe that is there.
+        let there = lobes.into_iter().rev().find(|(_, p)| *p > 0.0);
+        there
+            .filter(|_| self.coat == 0.0)
+            .map_or(Lobe::Coat, |(lobe, _)| lobe)
+    }
 }
 
 impl Bsdf {
@@ -36,12 +69,13 @@ impl Bsdf {
         if n.dot(wi) > 0.0 {
             return self.eval(n, wo, wi);
         }
-        if self.roughness == 0.0 || !(n.dot(wo) > 0.0) {
+        let cos_o = n.dot(wo);
+        if self.roughness == 0.0 || !(cos_o > 0.0) {
             return Vec3::ZERO;
         }
         self.transmitted_factor(n, wo, wi)
             .map_or(Vec3::ZERO, |(half, factor)| {
-                factor * self.eval_transmitted(n, half, wo, wi)
+                factor * (self.beneath(cos_o) * self.eval_transmitted(n, half, wo, wi))
             })
     }
 
@@ -55,10 +89,16 @@ impl Bsdf {
             return None;
         }
         let lobes = self.lobes(cos_o)?;
-        if self.roughness == 0.0 && lobe >= lobes.diffuse {
-            return self.sample_smooth(n, wo, lobe >= lobes.diffuse + lobes.specular, &lobes);
+        let lobe = lobes.choose(lobe);
+        let is_smooth = match lobe {
+            Lobe::Diffuse => false,
+            Lobe::Specular | Lobe::Transmitted => self.roughness == 0.0,
+            Lobe::Coat => self.coat_width() == 0.0,
+        };
+        if is_smooth {
+            return self.sample_smooth(n, wo, lobe, &lobes);
         }
-        let wi = self.direction(n, wo, lobe, u, &lobes)?;
+        let wi = self.direction(n, wo, lobe, u)?;
         let pdf = self.pdf(n, wo, wi);
         let weight = self.eval_through(n, wo, wi) / pdf;
         (pdf > 0.0 && weight.is_finite()).then_some(BsdfSample {
@@ -71,28 +111,21 @@ impl Bsdf {
 
     /// The density in 1/sr with which [`Bsdf::sample`] chooses `wi`, without the directions of smooth mirrors and smooth glass.
     pub fn pdf(&self, n: Vec3, wo: Vec3, wi: Vec3) -> f32 {
-        let (cos_o, cos_i) = (n.dot(wo), n.dot(wi));
-        let Some(lobes) = self.lobes(cos_o) else {
+        let cos_i = n.dot(wi);
+        let Some(lobes) = self.lobes(n.dot(wo)) else {
             return 0.0;
         };
-        let alpha = self.roughness * self.roughness;
         if cos_i > 0.0 {
-            let diffuse = lobes.diffuse * pdf_diffuse(n, wi);
-            let half = (wo + wi).normalize_or(n);
-            let specular = if alpha > 0.0 {
-                pdf_ggx(alpha, n, half, wo)
-            } else {
-                0.0
-            };
-            return diffuse + lobes.specular * specular;
+            return self.pdf_reflected(n, wo, wi, &lobes);
         }
+        let alpha = width(self.roughness);
         if alpha == 0.0 || lobes.transmitted == 0.0 {
             return 0.0;
         }
         if self.thin_walled {
             let mirrored = wi - n * (2.0 * cos_i);
             let half = (wo + mirrored).normalize_or(n);
-            return lobes.transmitted * pdf_ggx(alpha, n, half, wo);
+            return lobes.transmitted * pdf_ggx_visible(alpha, n, half, wo);
         }
         let half = refracting_half(self.eta, n, wo, wi);
         half.map_or(0.0, |half| {
@@ -100,15 +133,43 @@ impl Bsdf {
         })
     }
 
+    fn pdf_reflected(&self, n: Vec3, wo: Vec3, wi: Vec3, lobes: &Lobes) -> f32 {
+        let half = (wo + wi).normalize_or(n);
+        let mut pdf = lobes.diffuse * pdf_diffuse(n, wi);
+        let alpha = width(self.roughness);
+        if alpha > 0.0 {
+            pdf += lobes.specular
+                * match self.brush(n) {
+                    Some(brush) => brush.pdf(half, wo),
+                    None => pdf_ggx(alpha, n, half, wo),
+                };
+        }
+        let alpha = self.coat_width();
+        if lobes.coat > 0.0 && alpha > 0.0 {
+            pdf += lobes.coat * pdf_ggx(alpha, n, half, wo);
+        }
+        pdf
+    }
+
+    fn coat_width(&self) -> f32 {
+        self.layers
+            .map_or(0.0, |layers| width(layers.clearcoat_roughness))
+    }
+
     /// A direction of a rough lobe, on the side of the surface where the lobe is.
-    fn direction(&self, n: Vec3, wo: Vec3, lobe: f32, u: Vec2, lobes: &Lobes) -> Option<Vec3> {
-        if lobe < lobes.diffuse {
-            return Some(sample_diffuse(n, u));
-        }
-        let half = sample_ggx(self.roughness * self.roughness, n, wo, u);
-        if lobe >= lobes.diffuse + lobes.specular {
-            return self.pass(n, half, wo);
-        }
+    fn direction(&self, n: Vec3, wo: Vec3, lobe: Lobe, u: Vec2) -> Option<Vec3> {
+        let half = match lobe {
+            Lobe::Diffuse => return Some(sample_diffuse(n, u)),
+            Lobe::Transmitted => {
+                let half = sample_ggx_visible(width(self.roughness), n, wo, u);
+                return self.pass(n, half, wo);
+            }
+            Lobe::Coat => sample_ggx(self.coat_width(), n, wo, u),
+            Lobe::Specular => match self.brush(n) {
+                Some(brush) => brush.sample(wo, u),
+                None => sample_ggx(width(self.roughness), n, wo, u),
+            },
+        };
         let mirrored = reflect(wo, half);
         (n.dot(mirrored) > 0.0).then_some(mirrored)
     }
@@ -118,32 +179,54 @@ impl Bsdf {
         if !(cos_o > 0.0) {
             return None;
         }
-        let (reflected, through) = self.split(cos_o);
-        let specular = reflected.max_element();
-        let transmitted = through.max_element();
-        let dielectric = fresnel_dielectric(cos_o.min(1.0), self.ior);
-        let diffuse = self.diffuse_color().max_element() * (1.0 - dielectric);
-        let sum = specular + diffuse + transmitted;
+        let (diffuse, reflected) = self.albedos(cos_o);
+        let (mut specular, mut transmitted) = (reflected.max_element(), 0.0);
+        if self.transmission > 0.0 || self.roughness == 0.0 {
+            // Facets of rough glass let light through where its mean surface does not: it is seen as if from a lesser angle.
+            let (reflected, through) = self.split(cos_o);
+            let (straight, straight_through) = self.split(1.0);
+            let tilt = 0.5 * self.roughness;
+            specular = reflected.lerp(straight, tilt).max_element();
+            transmitted = through.lerp(straight_through, tilt).max_element();
+        }
+        let (mut diffuse, mut coat) = (diffuse.max_element(), 0.0);
+        if let Some(layers) = &self.layers {
+            let beneath = layers.beneath(cos_o);
+            coat = layers.coat(cos_o);
+            diffuse = diffuse * beneath + layers.sheen(cos_o).max_element() * (1.0 - coat);
+            specular *= beneath;
+            transmitted *= beneath;
+        }
+        let sum = diffuse + specular + transmitted + coat;
         (sum > 0.0).then(|| Lobes {
-            specular: specular / sum,
             diffuse: diffuse / sum,
+            specular: specular / sum,
             transmitted: transmitted / sum,
+            coat: coat / sum,
         })
     }
 
     /// The mirrored or the refracted direction.
-    fn sample_smooth(&self, n: Vec3, wo: Vec3, through: bool, lobes: &Lobes) -> Option<BsdfSample> {
-        let (reflected, transmitted) = self.split(n.dot(wo));
-        let (wi, weight) = if through {
-            (self.pass(n, n, wo)?, transmitted / lobes.transmitted)
-        } else {
-            (reflect(wo, n), reflected / lobes.specular)
+    fn sample_smooth(&self, n: Vec3, wo: Vec3, lobe: Lobe, lobes: &Lobes) -> Option<BsdfSample> {
+        let cos_o = n.dot(wo);
+        let (reflected, transmitted) = self.split(cos_o);
+        let beneath = self.beneath(cos_o);
+        let (wi, weight) = match lobe {
+            Lobe::Transmitted => (
+                self.pass(n, n, wo)?,
+                transmitted * (beneath / lobes.transmitted),
+            ),
+            Lobe::Coat => {
+                let coat = self.layers.map_or(0.0, |layers| layers.coat(cos_o));
+                (reflect(wo, n), Vec3::splat(coat / lobes.coat))
+            }
+            _ => (reflect(wo, n), reflected * (beneath / lobes.specular)),
         };
         Some(BsdfSample {
             wi,
             weight,
             pdf: f32::INFINITY,
-            transmitted: through,
+            transmitted: lobe == Lobe::Transmitted,
         })
     }
 
@@ -166,12 +249,13 @@ impl Bsdf {
         } else {
             refracting_half(self.eta, n, wo, wi)?
         };
-        let (_, through) = self.split(wo.dot(half));
+        let cos = wo.dot(half).clamp(0.0, 1.0);
+        let (_, through) = self.split_facet(cos, n.dot(wo));
         (through != Vec3::ZERO).then_some((half, through))
     }
 
     fn eval_transmitted(&self, n: Vec3, half: Vec3, wo: Vec3, wi: Vec3) -> f32 {
-        let alpha = self.roughness * self.roughness;
+        let alpha = width(self.roughness);
         if self.thin_walled {
             let mirrored = wi - n * (2.0 * n.dot(wi));
             return super::eval_ggx(alpha, n, half, wo, mirrored) * n.dot(mirrored);
