@@ -73,6 +73,7 @@ mod surface;
 mod surface_lanes;
 mod texture;
 mod trace;
+mod truth;
 mod unshadowed;
 mod validate;
 mod validate_parts;
@@ -98,7 +99,7 @@ pub use scene::{Geometry, Instance, Scene};
 pub use scene_bvh::SceneBvh;
 pub use settings::{GlassShadows, Method, Sampling, Settings};
 pub use shadow_map::{
-    Bias, BiasUnit, DepthMap, LightView, ShadowComparison, ShadowFilter, ShadowMap,
+    Bias, BiasUnit, DepthMap, Footprint, LightView, ShadowComparison, ShadowFilter, ShadowMap,
     ShadowMapSettings, ShadowMaps, ShadowTextError, Tap,
 };
 pub use shadow_rays::ShadowRays;
@@ -106,6 +107,10 @@ pub use show::{Fact, Show, ShowContext, Shown, show};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use surface::{SurfaceInteraction, surface_interaction};
 pub use texture::{Checker, Encoding, Filter, ImageTexture, Texture, Wrap};
+pub use truth::{
+    Cause, Evidence, LightErrors, LightTruth, Question, SeenPoint, SeenPoints, TruthSettings,
+    WrongPixel, cause_of, disk_point, error_picture, gather_evidence, truth_picture,
+};
 pub use umbriel_kernels as kernels;
 pub use unshadowed::Unshadowed;
 pub use validate::{Element, SceneError};
