@@ -44,9 +44,9 @@ pub struct Question {
     pub radiance: Vec3,
 }
 
-/// The visible points of a picture, one a pixel, and their questions.
+/// The visible points of a picture that would reflect a light, one a pixel, and their questions.
 ///
-/// Pixels that see the sky have none. What lies behind a partly transparent surface is not asked for.
+/// Pixels that see the sky, or what no light can reach, have none. What lies behind a partly transparent surface is not asked for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SeenPoints {
     /// The points, tile by tile.
@@ -91,6 +91,12 @@ impl SeenPoints {
             traced(bvh, camera, settings)
         };
         let mut all = Self::empty(bvh);
+        all.points
+            .reserve_exact(tiles.iter().map(|tile| tile.points.len()).sum());
+        for (light, questions) in all.questions.iter_mut().enumerate() {
+            let sizes = tiles.iter().map(|tile| tile.questions[light].len());
+            questions.reserve_exact(sizes.sum());
+        }
         for tile in tiles {
             all.append(tile);
         }
@@ -115,22 +121,26 @@ impl SeenPoints {
         }
     }
 
-    /// Takes down a surface and the lights that it would reflect.
+    /// Takes down a surface, if there are lights that it would reflect.
     fn push(&mut self, lights: &[Light], pixel: u32, hit: &Hit, surface: &SurfaceInteraction) {
         let point = self.points.len() as u32;
-        self.points.push(SeenPoint {
-            pixel,
-            instance: hit.instance,
-            primitive: hit.primitive,
-            p: surface.p,
-            error: surface.error,
-            shadow_p: surface.shadow_p,
-            ng: surface.ng,
-        });
+        let mut is_asked = false;
         for (light, questions) in lights.iter().zip(&mut self.questions) {
             if let Some(radiance) = reflected(light, surface) {
                 questions.push(Question { point, radiance });
+                is_asked = true;
             }
+        }
+        if is_asked {
+            self.points.push(SeenPoint {
+                pixel,
+                instance: hit.instance,
+                primitive: hit.primitive,
+                p: surface.p,
+                error: surface.error,
+                shadow_p: surface.shadow_p,
+                ng: surface.ng,
+            });
         }
     }
 }
