@@ -31,6 +31,8 @@
 //! | places of samples | [`sample_pixel`] | Hammersley 1960; Cranley & Patterson 1976 |
 //! | tone curves, sRGB | [`develop`] | Khronos 2024; Hill 2016; Sobotka 2022; IEC 61966-2-1 |
 //! | the pictures of shadow mapping | [`show()`] with a [`Show`] | |
+//! | how much of a light arrives, by rays; where a map is wrong, and why | [`LightTruth::trace`], [`LightErrors::find`], [`cause_of`]: `truth/` | |
+//! | places on a light with size | [`disk_point`] | Roberts 2018; Shirley & Chiu 1997 |
 //! | how two pictures differ | [`compare()`] | Wang et al. 2004 (SSIM) |
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]

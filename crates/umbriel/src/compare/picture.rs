@@ -49,23 +49,19 @@ fn panel(job: &Job, measured: &Measured, found: &MeasuredLight, ground: &Image) 
         pixels: develop(&image, 0.0, Tonemap::Linear),
     };
     let dark = errors.wrong.iter().filter(|wrong| wrong.is_dark()).count();
+    let truth = match found.truth.size > 0.0 {
+        true => format!("; truth by {} rays in penumbras", measured.how.rays),
+        false => String::new(),
+    };
     let caption = format!(
-        "{} wrongly dark, {} wrongly lit of {} pixels that the light would reach; mean error {:.4}; ssim {}; {}; truth by {} rays in penumbras",
+        "{} wrongly dark, {} wrongly lit of {} pixels that the light would reach; mean error {:.4}; ssim {}; {}{truth}",
         share(dark),
         share(errors.wrong.len() - dark),
         errors.answers.len(),
         errors.mean_error,
         ssim(found.pictures.as_ref()),
         map_words(light, &job.settings.shadow_maps[errors.light]),
-        measured.how.rays,
     );
-    let caption = match found.truth.size > 0.0 {
-        true => caption,
-        false => caption.replace(
-            &format!("; truth by {} rays in penumbras", measured.how.rays),
-            "",
-        ),
-    };
     Panel {
         title: format!("light {:?}: wrong pixels by cause", light.name()),
         caption,
