@@ -78,7 +78,6 @@ mod tests {
                     worst = worst.max((part - segment(edge)).abs());
                 }
             }
-            println!("{samples}: {worst}");
             assert!(worst <= most, "{worst} with {samples}");
         }
     }
