@@ -57,6 +57,7 @@ impl LightDisk {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::TruthSettings;
 
     /// The part of the unit disk with x below `edge`.
     fn segment(edge: f32) -> f32 {
@@ -67,18 +68,22 @@ mod tests {
     /// The error that is stated for the truth in penumbras: straight edges across the disk, from all sides.
     #[test]
     fn the_covered_part_is_known_to_the_stated_error() {
-        for (samples, most) in [(32, 0.07), (256, 0.016), (1024, 0.007)] {
+        for rays in [32, 256, 1024] {
+            let settings = TruthSettings {
+                rays,
+                ..TruthSettings::default()
+            };
             let mut worst = 0.0_f32;
             for pixel in 0..200 {
                 let turn = turn_of(pixel);
                 for step in -10..=10 {
                     let edge = step as f32 / 10.5;
-                    let below = (0..samples).filter(|&i| disk_point(i, turn).x < edge);
-                    let part = below.count() as f32 / samples as f32;
+                    let below = (0..rays).filter(|&i| disk_point(i, turn).x < edge);
+                    let part = below.count() as f32 / rays as f32;
                     worst = worst.max((part - segment(edge)).abs());
                 }
             }
-            assert!(worst <= most, "{worst} with {samples}");
+            assert!(worst <= settings.error(), "{worst} with {rays}");
         }
     }
 

@@ -1,7 +1,7 @@
 //! The picture with the true shadows, and the picture of the errors.
 
 use super::{Cause, LightErrors, LightTruth, SeenPoints};
-use crate::{Image, LUMINANCE, color::srgb_to_linear};
+use crate::{Image, LUMINANCE, srgb::srgb_to_linear};
 use umbriel_kernels::glam::Vec3;
 
 /// A shadow-mapped picture, of one sample a pixel, with the true light of some lights in place of what their maps said.
