@@ -132,7 +132,7 @@ fn settings(args: &RenderArgs, scene: &SceneSettings, size: [u32; 2]) -> Setting
     }
 }
 
-fn check_crop(crop: Option<[u32; 4]>, [width, height]: [u32; 2]) -> Result<(), Failure> {
+pub(crate) fn check_crop(crop: Option<[u32; 4]>, [width, height]: [u32; 2]) -> Result<(), Failure> {
     match crop {
         Some([_, _, x1, y1]) if x1 > width || y1 > height => {
             let message = format!("--crop reaches outside the picture of {width}x{height} pixels");
@@ -156,7 +156,7 @@ fn sampling(args: &RenderArgs, scene: &SceneSettings) -> Option<Sampling> {
     Some(Sampling::Adaptive { threshold, levels })
 }
 
-fn resolution(asked: Option<Resolution>, own: [u32; 2]) -> Result<[u32; 2], Failure> {
+pub(crate) fn resolution(asked: Option<Resolution>, own: [u32; 2]) -> Result<[u32; 2], Failure> {
     let [width, height] = match asked {
         None => own.map(u64::from),
         Some(Resolution::Pixels(width, height)) => [width, height],
