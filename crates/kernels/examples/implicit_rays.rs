@@ -1,9 +1,10 @@
-//! How long does a ray to a formula's surface take? `cargo run --release --example implicit_rays`, in ns, best of 5.
+//! How long do a ray to a formula's surface and a value of the formula take? `cargo run --release -p umbriel-kernels --example implicit_rays`, in ns,
+//! best of 5.
 
 use std::hint::black_box;
 use std::time::Instant;
-use umbriel_kernels::glam::Vec3;
-use umbriel_kernels::{Formula, ImplicitSurface, Ray, intersect_implicit};
+use umbriel_kernels::glam::{DVec3, Vec3};
+use umbriel_kernels::{Formula, ImplicitSurface, Interval64, Ray, Scratch, intersect_implicit};
 
 const SIDE: usize = 120;
 
@@ -47,7 +48,61 @@ fn camera_rays() -> Vec<Ray> {
     (0..SIDE * SIDE).map(ray).collect()
 }
 
+/// The torus and the gyroid, written by hand.
+const BY_HAND: [(usize, fn(f64, f64, f64) -> f64); 2] = [
+    (1, |x, y, z| {
+        let ring = (x * x + y * y).sqrt() - 1.0;
+        ring * ring + z * z - 0.35 * 0.35
+    }),
+    (2, |x, y, z| {
+        let ([a, b, c], [i, j, k]) = (
+            [6.0 * x, 6.0 * y, 6.0 * z].map(f64::sin),
+            [6.0 * x, 6.0 * y, 6.0 * z].map(f64::cos),
+        );
+        let waves = (a * j + b * k + c * i).abs() - 0.25;
+        waves.max(6.0 * ((x * x + y * y + z * z).sqrt() - 1.25))
+    }),
+];
+
+/// Prints what one value takes by each way to evaluate a formula.
+fn time_evaluators(name: &str, source: &str, by_hand: fn(f64, f64, f64) -> f64) {
+    const POINTS: usize = 4096;
+    let formula = Formula::parse(source, &[]).expect("a formula");
+    let (tape, mut scratch) = (formula.tape(), Scratch::default());
+    let spread = |factor: f64| -> Vec<f64> {
+        let place = |i: usize| (i as f64 * factor).fract() * 2.4 - 1.2;
+        (0..POINTS).map(place).collect()
+    };
+    let [x, y, z] = [0.618_034, 0.754_877_67, 0.569_840_29].map(spread);
+    let mut out = vec![0.0; POINTS];
+    let hand = best(POINTS, || {
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = by_hand(x[i], y[i], z[i]);
+        }
+        black_box(&out);
+    });
+    let slices = best(POINTS, || tape.values(&x, &y, &z, black_box(&mut out)));
+    let at = |i: usize| DVec3::new(x[i], y[i], z[i]);
+    let gradient = best(POINTS, || {
+        for i in 0..POINTS {
+            black_box(tape.gradient(at(i)));
+        }
+    });
+    let around = |x: f64| Interval64::new(x - 0.01, x + 0.01);
+    let interval = best(POINTS, || {
+        for i in 0..POINTS {
+            black_box(tape.interval(around(x[i]), around(y[i]), around(z[i]), &mut scratch));
+        }
+    });
+    println!(
+        "{name}: loop by hand {hand:.1}, slices {slices:.1}, gradient {gradient:.0}, interval {interval:.0}"
+    );
+}
+
 fn main() {
+    for (shape, by_hand) in BY_HAND {
+        time_evaluators(SHAPES[shape].0, SHAPES[shape].1, by_hand);
+    }
     let rays = camera_rays();
     for (name, source) in SHAPES {
         let formula = Formula::parse(source, &[]).expect("a formula");

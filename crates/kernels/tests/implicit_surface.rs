@@ -34,6 +34,9 @@ fn implicit(source: &str) -> ImplicitSurface {
 #[test]
 fn what_is_no_surface_is_said() {
     assert_eq!(built("1 + 2", None).err(), Some(ImplicitError::Constant));
+    let long = (0..20_000).map(|i| format!("sin({i}*x)"));
+    let long = long.collect::<Vec<_>>().join(" + ");
+    assert_eq!(built(&long, cube(1.0)).err(), Some(ImplicitError::TooLong));
     assert_eq!(
         built("x^2 + y^2 + z^2 + 1", cube(1.0)).err(),
         Some(ImplicitError::NoSurface)

@@ -147,6 +147,19 @@ impl<'a> EyeRaster<'a> {
         tile: &TileImage,
         seen: &'s mut Seen,
     ) -> &'s [Vec3] {
+        self.look(rect, tile, seen);
+        seen.radiance.resize(seen.rays.len(), Vec3::ZERO);
+        tracer.trace_seen(&seen.rays, &seen.hits, &mut seen.radiance);
+        &seen.radiance
+    }
+
+    /// The rays through the pixels of `rect`, whole rows of a drawn tile, and what they see.
+    pub(crate) fn look<'s>(
+        &self,
+        rect: [u32; 4],
+        tile: &TileImage,
+        seen: &'s mut Seen,
+    ) -> (&'s [Ray], &'s [Option<Hit>]) {
         let [x0, y0, x1, y1] = rect;
         let width = (x1 - x0) as usize;
         let mut ids = std::mem::take(&mut seen.ids);
@@ -155,10 +168,8 @@ impl<'a> EyeRaster<'a> {
             tile.row_ids((y - tile.rect[1]) as usize, row);
         }
         self.see(rect, &ids, seen);
-        seen.radiance.resize(ids.len(), Vec3::ZERO);
         seen.ids = ids;
-        tracer.trace_seen(&seen.rays, &seen.hits, &mut seen.radiance);
-        &seen.radiance
+        (&seen.rays, &seen.hits)
     }
 
     /// What the pixels of `rect`, whole rows of a drawn tile, see; `ids` are the numbers of the triangles drawn there.

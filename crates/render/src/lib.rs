@@ -38,6 +38,8 @@
 //! | places of samples | [`sample_pixel`] | Hammersley 1960; Cranley & Patterson 1976 |
 //! | tone curves, sRGB | [`develop`] | Khronos 2024; Hill 2016; Sobotka 2022; IEC 61966-2-1 |
 //! | the pictures of shadow mapping | [`show()`] with a [`Show`] | |
+//! | how much of a light arrives, by rays; where a map is wrong, and why | [`LightTruth::trace`], [`LightErrors::find`], [`cause_of`]: `truth/` | |
+//! | places on a light with size | [`disk_point`] | Roberts 2018; Shirley & Chiu 1997 |
 //! | how two pictures differ | [`compare()`] | Wang et al. 2004 (SSIM) |
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
@@ -88,6 +90,7 @@ mod surface;
 mod surface_lanes;
 mod texture;
 mod trace;
+mod truth;
 mod unshadowed;
 mod validate;
 mod validate_parts;
@@ -123,7 +126,7 @@ pub use scene::{Geometry, Instance, Scene};
 pub use scene_bvh::SceneBvh;
 pub use settings::{GlassShadows, Method, Sampling, Settings};
 pub use shadow_map::{
-    Bias, BiasUnit, DepthMap, LightView, ShadowComparison, ShadowFilter, ShadowMap,
+    Bias, BiasUnit, DepthMap, Footprint, LightView, ShadowComparison, ShadowFilter, ShadowMap,
     ShadowMapSettings, ShadowMaps, ShadowTextError, Tap,
 };
 pub use shadow_rays::ShadowRays;
@@ -132,6 +135,10 @@ pub use sobol::PixelSampler;
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use surface::{SurfaceInteraction, surface_interaction};
 pub use texture::{Checker, Encoding, Filter, ImageTexture, Texture, Wrap};
+pub use truth::{
+    Cause, Evidence, LightErrors, LightTruth, Question, SeenPoint, SeenPoints, TruthSettings,
+    WrongPixel, cause_of, disk_point, error_picture, gather_evidence, truth_picture,
+};
 pub use umbriel_kernels as kernels;
 pub use unshadowed::Unshadowed;
 pub use validate::{Element, SceneError};

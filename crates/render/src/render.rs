@@ -118,7 +118,7 @@ pub fn render_bytes_into(
 }
 
 /// Samples a pixel of a picture that is rasterised.
-fn raster_samples(bvh: &SceneBvh, camera: &Camera, settings: &Settings) -> Option<u32> {
+pub(crate) fn raster_samples(bvh: &SceneBvh, camera: &Camera, settings: &Settings) -> Option<u32> {
     let spp = match settings.sampling {
         Sampling::Fixed { spp } if settings.method == Method::ShadowMap => spp.max(1),
         _ => return None,

@@ -229,7 +229,7 @@ impl Visibility for ShadowRays<'_> {
     }
 }
 
-fn is_translucent(scene: &Scene, filter_glass: bool) -> bool {
+pub(crate) fn is_translucent(scene: &Scene, filter_glass: bool) -> bool {
     scene.instances.iter().any(|instance| {
         lets_light_through(&scene.materials[instance.material.index()], filter_glass)
     })

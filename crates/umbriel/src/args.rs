@@ -1,5 +1,6 @@
 //! The command line.
 
+use crate::compare::CompareArgs;
 use crate::show::{ShowList, parse_show};
 use crate::values::{
     Exposure, Resolution, parse_aovs, parse_crop, parse_definition, parse_exposure, parse_fov,
@@ -40,6 +41,9 @@ pub(crate) enum Command {
     Render(Box<RenderArgs>),
     /// Say what is in a scene
     Info(InfoArgs),
+    /// Set shadow maps beside the truth by rays: how much is wrong, and why
+    #[command(after_help = EXIT_CODES)]
+    Compare(Box<CompareArgs>),
     /// Compare two pictures
     #[command(after_help = EXIT_CODES)]
     Diff(DiffArgs),
@@ -63,6 +67,7 @@ impl Command {
         match self {
             Self::Render(args) => args.json,
             Self::Info(args) => args.json,
+            Self::Compare(args) => args.json,
             Self::Diff(args) => args.json,
             Self::Schema | Self::Completions { .. } | Self::Man { .. } => false,
         }
@@ -94,21 +99,8 @@ pub(crate) struct RenderArgs {
     /// Greatest number of mirrored or refracted rays one after the other [default: 8]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(0..=64))]
     pub(crate) depth: Option<u32>,
-    /// Camera of the scene by its name, or by its number from 0 [default: the first]
-    #[arg(long, value_name = "NAME|INDEX")]
-    pub(crate) camera: Option<String>,
-    /// Where the camera is
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vector, allow_hyphen_values = true)]
-    pub(crate) eye: Option<[f32; 3]>,
-    /// What the camera looks at
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vector, allow_hyphen_values = true)]
-    pub(crate) look_at: Option<[f32; 3]>,
-    /// What is upright in the picture
-    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vector, allow_hyphen_values = true)]
-    pub(crate) up: Option<[f32; 3]>,
-    /// Vertical field of view
-    #[arg(long, value_name = "DEGREES", value_parser = parse_fov)]
-    pub(crate) fov: Option<f32>,
+    #[command(flatten)]
+    pub(crate) view: ViewArgs,
     /// Render only this part; the rest of the picture stays empty
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_crop)]
     pub(crate) crop: Option<[u32; 4]>,
@@ -128,8 +120,8 @@ pub(crate) struct RenderArgs {
     /// primitive, material; of the method path also direct, indirect, sample-count, variance; or all
     #[arg(long, value_name = "LIST|all", value_parser = parse_aovs)]
     pub(crate) aov: Option<AovList>,
-    /// Explain shadow mapping by a picture: lit, light-view, light-depth, compare, map-texels or shadowed; by all on one labelled
-    /// sheet; or, into an EXR file, by a list of them or all as layers. Implies --method shadow-map
+    /// Explain shadow mapping by a picture: lit, light-view, light-depth, compare, map-texels, shadowed or error (where the map is wrong, by
+    /// cause); by the first six on one labelled sheet; or, into an EXR file, by a list of them or all as layers. Implies --method shadow-map
     #[arg(long, value_name = "NAME|sheet|LIST", value_parser = parse_show)]
     pub(crate) show: Option<ShowList>,
     /// Light that --show is about, by its name, or by its number from 0 [default: the first directional light, or else the
@@ -180,6 +172,26 @@ pub(crate) struct LimitArgs {
     /// Save the picture so far every SECONDS while the method path renders
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     pub(crate) save_every: Option<f64>,
+}
+
+/// Where the picture is seen from.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct ViewArgs {
+    /// Camera of the scene by its name, or by its number from 0 [default: the first]
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub(crate) camera: Option<String>,
+    /// Where the camera is
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vector, allow_hyphen_values = true)]
+    pub(crate) eye: Option<[f32; 3]>,
+    /// What the camera looks at
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vector, allow_hyphen_values = true)]
+    pub(crate) look_at: Option<[f32; 3]>,
+    /// What is upright in the picture
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_vector, allow_hyphen_values = true)]
+    pub(crate) up: Option<[f32; 3]>,
+    /// Vertical field of view
+    #[arg(long, value_name = "DEGREES", value_parser = parse_fov)]
+    pub(crate) fov: Option<f32>,
 }
 
 /// How the method shadow-map makes and reads the maps of all lights.

@@ -1,10 +1,10 @@
 //! The camera that the options ask for.
 
-use crate::{args::RenderArgs, errors::Failure};
+use crate::{args::ViewArgs, errors::Failure};
 use umbriel_formats::render::{Camera, Projection, Scene, kernels::glam::Vec3};
 
 /// The camera of the scene that is asked for, moved as asked for.
-pub(crate) fn choose_camera(scene: &Scene, args: &RenderArgs) -> Result<Camera, Failure> {
+pub(crate) fn choose_camera(scene: &Scene, args: &ViewArgs) -> Result<Camera, Failure> {
     let mut camera = match &args.camera {
         Some(wanted) => find(scene, wanted)?.clone(),
         None => match scene.cameras.first() {
@@ -48,7 +48,7 @@ fn find<'a>(scene: &'a Scene, wanted: &str) -> Result<&'a Camera, Failure> {
 
 /// What is not given stays: the eye, the direction of view. The picture is upright along +y, or, for a
 /// view along y, as the camera was.
-fn aim(camera: &Camera, args: &RenderArgs) -> Result<Camera, Failure> {
+fn aim(camera: &Camera, args: &ViewArgs) -> Result<Camera, Failure> {
     let old_eye = Vec3::from(camera.pose.translation);
     let old_up = Vec3::from(camera.pose.matrix3.y_axis);
     let forward = -Vec3::from(camera.pose.matrix3.z_axis);

@@ -1,7 +1,8 @@
-//! The program: `umbriel render`, `info`, `diff` and helpers around them.
+//! The program: `umbriel render`, `compare`, `info`, `diff` and helpers around them.
 
 mod args;
 mod camera;
+mod compare;
 mod completions;
 mod diff;
 mod errors;

@@ -185,7 +185,7 @@ fn choose_aovs(args: &RenderArgs, method: Method) -> Result<Vec<Aov>, Failure> {
     }
 }
 
-fn check_crop(crop: Option<[u32; 4]>, [width, height]: [u32; 2]) -> Result<(), Failure> {
+pub(crate) fn check_crop(crop: Option<[u32; 4]>, [width, height]: [u32; 2]) -> Result<(), Failure> {
     match crop {
         Some([_, _, x1, y1]) if x1 > width || y1 > height => {
             let message = format!("--crop reaches outside the picture of {width}x{height} pixels");
@@ -226,7 +226,7 @@ fn path_samples(args: &RenderArgs, scene: &SceneSettings) -> u32 {
     }
 }
 
-fn resolution(asked: Option<Resolution>, own: [u32; 2]) -> Result<[u32; 2], Failure> {
+pub(crate) fn resolution(asked: Option<Resolution>, own: [u32; 2]) -> Result<[u32; 2], Failure> {
     let [width, height] = match asked {
         None => own.map(u64::from),
         Some(Resolution::Pixels(width, height)) => [width, height],
@@ -251,24 +251,24 @@ fn resolution(asked: Option<Resolution>, own: [u32; 2]) -> Result<[u32; 2], Fail
 const PIXEL_BYTES: u64 = 16 + 4 + 4;
 
 /// Refuses a picture that does not fit into the memory.
+///
+/// `channels` are those of an EXR file beside the film: each exists as layer and in the encoder. `sample_bytes` are kept for the samples of each pixel.
 pub(crate) fn check_memory(
-    plan: &Plan,
-    shown_channels: u64,
-    target: Target,
+    [width, height]: [u32; 2],
+    channels: u64,
+    sample_bytes: u64,
 ) -> Result<(), Failure> {
-    let [width, height] = plan.settings.resolution;
-    let layers: usize = plan.aovs.iter().map(|aov| aov.channels().len()).sum();
-    // Each channel of an EXR file exists as layer and in the encoder.
-    let channels = match target {
-        Target::Exr => 4 + layers as u64 + shown_channels,
-        Target::Png | Target::Stdout => 0,
-    };
-    let samples = match plan.settings.method {
+    let pixel = PIXEL_BYTES + 8 * channels + sample_bytes;
+    let bytes = u64::from(width) * u64::from(height) * pixel;
+    check_free(bytes, &format!("a picture of {width}x{height} takes"))
+}
+
+/// What a pixel keeps for its samples, in bytes.
+pub(crate) fn sample_bytes(plan: &Plan) -> u64 {
+    match plan.settings.method {
         Method::Path => PathFilm::pixel_bytes(plan.settings.split_light),
         _ => 0,
-    };
-    let bytes = u64::from(width) * u64::from(height) * (PIXEL_BYTES + 8 * channels + samples);
-    check_free(bytes, &format!("a picture of {width}x{height} takes"))
+    }
 }
 
 /// Refuses what does not fit into the memory that is free now, where the system tells it.

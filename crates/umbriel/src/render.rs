@@ -8,7 +8,7 @@ use crate::{
     info::is_model,
     interrupt::{self, Phase, STOP},
     output::{Job, write_picture},
-    plan::{Plan, Target, check_memory, check_target, make_plan},
+    plan::{Plan, Target, check_memory, check_target, make_plan, sample_bytes},
     progress::Progress,
     run::print_line,
     shadow_maps::{check_shadow_memory, idle_shadow_options},
@@ -45,17 +45,18 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
     let pool = build_pool(args.threads)?;
     let (loaded, load) = timed(|| pool.install(|| load(args, target)));
     let loaded = loaded?;
-    let plan = make_plan(args, &loaded, default_exposure(args, &loaded))?;
-    check_memory(&plan, shown_channels(args), target)?;
+    let plan = make_plan(args, &loaded, default_exposure(&args.scene, &loaded))?;
+    check_memory(plan.settings.resolution, exr_channels(args, &plan, target), sample_bytes(&plan))?;
     check_shadow_memory(&plan.settings, &loaded.scene.lights)?;
-    let camera = choose_camera(&loaded.scene, args)?;
+    let camera = choose_camera(&loaded.scene, &args.view)?;
     let show = choose_show(args, target, &plan, &loaded.scene.lights)?;
     if !args.quiet {
         print_loaded(args, &loaded, &plan, &camera, target);
     }
 
     let (bvh, build) = timed(|| pool.install(|| build_bvh(args, &loaded.scene, &camera, &plan)));
-    let (maps, map_time) = timed(|| pool.install(|| draw_maps(&bvh, &camera, &plan.settings)));
+    let (maps, map_time) =
+        timed(|| pool.install(|| draw_maps(&bvh, &camera, &plan.settings, show.as_ref())));
     let pictures = (maps.as_ref(), show.as_ref());
     let job = Job {
         args,
@@ -93,11 +94,17 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
     report(args, &summary)
 }
 
-/// Channels of the pictures of `--show` in an EXR file.
-fn shown_channels(args: &RenderArgs) -> u64 {
-    match &args.show {
-        Some(ShowList::Pictures(shows)) => 3 * shows.len() as u64,
+/// Channels of the file beside the film; a PNG has none.
+fn exr_channels(args: &RenderArgs, plan: &Plan, target: Target) -> u64 {
+    let layers: usize = plan.aovs.iter().map(|aov| aov.channels().len()).sum();
+    let shows = match &args.show {
+        Some(ShowList::Pictures(shows)) => 3 * shows.len(),
         Some(ShowList::Sheet) | None => 0,
+    };
+    if target == Target::Exr {
+        4 + (layers + shows) as u64
+    } else {
+        0
     }
 }
 
@@ -141,7 +148,7 @@ fn load(args: &RenderArgs, target: Target) -> Result<Loaded, Failure> {
     };
     let loaded = load_scene(&args.scene, &options)?;
     if args.strict {
-        refuse_ignored(args, &loaded)?;
+        refuse_ignored(&args.scene, &loaded)?;
     }
     if target != Target::Stdout {
         // Only now it is known which textures, meshes and included files the scene names.
@@ -151,13 +158,13 @@ fn load(args: &RenderArgs, target: Target) -> Result<Loaded, Failure> {
     Ok(loaded)
 }
 
-fn refuse_ignored(args: &RenderArgs, loaded: &Loaded) -> Result<(), Failure> {
+pub(crate) fn refuse_ignored(scene: &Path, loaded: &Loaded) -> Result<(), Failure> {
     match crate::summary::ignored_line(&loaded.report) {
         None => Ok(()),
         Some(line) => {
             let message = format!(
                 "{}: {line}; --strict refuses what has no effect",
-                args.scene.display()
+                scene.display()
             );
             Err(Failure::new(Exit::Input, message))
         }
@@ -166,8 +173,8 @@ fn refuse_ignored(args: &RenderArgs, loaded: &Loaded) -> Result<(), Failure> {
 
 /// Models bring lights in physical units, which are far from the range of a screen; a scene file is
 /// written for the picture it gives, and so is the sun that a model without lights gets.
-fn default_exposure(args: &RenderArgs, loaded: &Loaded) -> Exposure {
-    if is_model(&args.scene) && !loaded.report.daylight {
+pub(crate) fn default_exposure(scene: &Path, loaded: &Loaded) -> Exposure {
+    if is_model(scene) && !loaded.report.daylight {
         Exposure::Auto
     } else {
         Exposure::Stops(0.0)
@@ -191,9 +198,15 @@ fn build_bvh<'a>(
 }
 
 /// Pass 1 of shadow mapping; `None` for pictures without maps.
-fn draw_maps(bvh: &SceneBvh, camera: &Camera, settings: &Settings) -> Option<ShadowMaps> {
+fn draw_maps(
+    bvh: &SceneBvh,
+    camera: &Camera,
+    settings: &Settings,
+    show: Option<&ShowPlan>,
+) -> Option<ShadowMaps> {
     let with_maps = settings.method == Method::ShadowMap && settings.shadows;
-    with_maps.then(|| ShadowMaps::render(bvh, camera, settings, false))
+    with_maps
+        .then(|| ShadowMaps::render(bvh, camera, settings, show.is_some_and(ShowPlan::needs_ids)))
 }
 
 fn trace(
@@ -228,7 +241,7 @@ fn trace(
     shown
 }
 
-fn build_pool(threads: u32) -> Result<ThreadPool, Failure> {
+pub(crate) fn build_pool(threads: u32) -> Result<ThreadPool, Failure> {
     ThreadPoolBuilder::new()
         .num_threads(threads as usize)
         .build()
@@ -236,7 +249,7 @@ fn build_pool(threads: u32) -> Result<ThreadPool, Failure> {
 }
 
 /// What `work` gives, and how many seconds it takes.
-fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
+pub(crate) fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     let start = Instant::now();
     let result = work();
     (result, start.elapsed().as_secs_f64())

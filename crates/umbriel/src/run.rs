@@ -2,7 +2,7 @@
 
 use crate::{
     args::{Cli, Command},
-    completions, diff,
+    compare, completions, diff,
     errors::{Exit, Failure},
     info, render,
 };
@@ -57,6 +57,7 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
     match command {
         Command::Render(args) => render::run(&args, start),
         Command::Info(args) => info::run(&args),
+        Command::Compare(args) => compare::run(&args, start),
         Command::Diff(args) => diff::run(&args),
         Command::Schema => print_line(umbriel_formats::scene_schema().trim_end()),
         Command::Completions { shell } => completions::completions(shell),

@@ -117,7 +117,7 @@ pub(crate) fn map_words(light: &Light, map: &ShadowMapSettings) -> String {
 }
 
 /// The light's size in the unit in which it is written.
-fn shown_size(light: &Light, map: &ShadowMapSettings) -> f32 {
+pub(crate) fn shown_size(light: &Light, map: &ShadowMapSettings) -> f32 {
     match light {
         // As many digits as f32 keeps through the conversion: what was written comes back.
         Light::Directional(_) => (map.light_size.to_degrees() * 1e4).round() / 1e4,

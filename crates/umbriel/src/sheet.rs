@@ -65,6 +65,36 @@ pub(crate) fn compose(panels: &[Panel], columns: usize) -> Bitmap {
     sheet
 }
 
+/// A picture with the meaning of its colours (0xRRGGBB) below it, in as many rows as they take.
+pub(crate) fn with_legend(picture: Bitmap, entries: &[(u32, String)]) -> Bitmap {
+    let row = line_height(TEXT);
+    let swatch = row - 4;
+    let mut places = Vec::new();
+    let (mut left, mut rows) = (0, 1);
+    for (_, words) in entries {
+        let letters = words.chars().count() * TEXT.character_size.width as usize;
+        let width = swatch + 4 + letters + GAP;
+        if left > 0 && left + width > picture.width + GAP {
+            (left, rows) = (0, rows + 1);
+        }
+        places.push((left, rows - 1));
+        left += width;
+    }
+    let mut whole = Bitmap::blank(picture.width, picture.height + 4 + rows * row);
+    whole.paste(&picture, 0, 0);
+    for ((color, words), (left, number)) in entries.iter().zip(places) {
+        let top = picture.height + 4 + number * row;
+        let [_, r, g, b] = color.to_be_bytes();
+        for y in top..top + swatch {
+            for x in left..(left + swatch).min(whole.width) {
+                whole.pixels[y * whole.width + x] = [r, g, b, 255];
+            }
+        }
+        whole.write(words, TEXT, left + swatch + 4, top);
+    }
+    whole
+}
+
 fn height(panel: &Panel, width: usize) -> usize {
     let lines = wrap(&panel.caption, columns_of(TEXT, width)).len();
     panel.picture.height + GAP / 2 + line_height(TITLE) + lines * line_height(TEXT)

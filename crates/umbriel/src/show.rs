@@ -5,12 +5,12 @@ use crate::{
     errors::Failure,
     plan::{Plan, Target},
     shadow_maps::map_words,
-    sheet::{Bitmap, Panel, compose},
+    sheet::{Bitmap, Panel, compose, with_legend},
     values::Exposure,
 };
 use serde_json::{Value, json};
 use umbriel_formats::render::{
-    Camera, Control, Fact, Film, Image, Layer, Light, Method, SceneBvh, ShadowMaps, Show,
+    Camera, Cause, Control, Fact, Film, Image, Layer, Light, Method, SceneBvh, ShadowMaps, Show,
     ShowContext, Shown, Tonemap, auto_exposure, develop, render_with_maps, show,
 };
 
@@ -123,6 +123,11 @@ fn find_light(wanted: Option<&str>, lights: &[Light]) -> Result<usize, Failure> 
         let sun = |light: &Light| matches!(light, Light::Directional(_));
         return Ok(lights.iter().position(sun).unwrap_or(0));
     };
+    named_light("--show-light", wanted, lights)
+}
+
+/// The light that an option names, or numbers from 0 where no light has that name.
+pub(crate) fn named_light(option: &str, wanted: &str, lights: &[Light]) -> Result<usize, Failure> {
     let by_name = lights.iter().position(|light| light.name() == wanted);
     let by_number = || wanted.parse().ok().filter(|&i: &usize| i < lights.len());
     by_name.or_else(by_number).ok_or_else(|| {
@@ -131,10 +136,17 @@ fn find_light(wanted: Option<&str>, lights: &[Light]) -> Result<usize, Failure> 
             .map(|(i, light)| format!("{i} {:?}", light.name()))
             .collect();
         Failure::usage(format!(
-            "--show-light: no light {wanted:?}; expected one of {}",
+            "{option}: no light {wanted:?}; expected one of {}",
             names.join(", ")
         ))
     })
+}
+
+impl ShowPlan {
+    /// Whether the maps must know what wrote each texel.
+    pub(crate) fn needs_ids(&self) -> bool {
+        matches!(&self.list, ShowList::Pictures(shows) if shows.contains(&Show::Error))
+    }
 }
 
 /// Draws the film and the pictures.
@@ -160,7 +172,7 @@ pub(crate) fn draw(
         tonemap: plan.tonemap,
     };
     let shows = match &show_plan.list {
-        ShowList::Sheet => &Show::ALL,
+        ShowList::Sheet => &Show::SHEET[..],
         ShowList::Pictures(shows) => &shows[..],
     };
     let shown = shows
@@ -170,6 +182,10 @@ pub(crate) fn draw(
     let bitmap = match &show_plan.list {
         ShowList::Sheet => Some(sheet(&shown, &context)),
         ShowList::Pictures(_) => match &shown[..] {
+            [(Show::Error, only)] => {
+                let picture = bitmap(Show::Error, &only.image, &context);
+                Some(error_panel(picture, &only.facts, &context))
+            }
             [(kind, only)] => Some(bitmap(*kind, &only.image, &context)),
             _ => None,
         },
@@ -189,6 +205,20 @@ pub(crate) fn draw(
             })
             .collect(),
     }
+}
+
+/// The picture of a light's errors with its legend and its numbers.
+fn error_panel(picture: Bitmap, facts: &[Fact], context: &ShowContext) -> Bitmap {
+    let name = context.bvh.scene().lights[context.light].name();
+    let legend: Vec<(u32, String)> = Cause::ALL
+        .map(|cause| (cause.color(), cause.meaning().to_owned()))
+        .into();
+    let panel = Panel {
+        title: format!("error: light {name:?}"),
+        caption: words(facts),
+        picture: with_legend(picture, &legend),
+    };
+    compose(&[panel], 1)
 }
 
 /// The pixels as a screen shows them.
@@ -238,6 +268,7 @@ fn meaning(show: Show) -> &'static str {
         Show::LightDepth => "the depth image",
         Show::Compare => "green where it matches the map",
         Show::MapTexels => "each texel a colour",
+        Show::Error => "where the map is wrong, and why",
     }
 }
 

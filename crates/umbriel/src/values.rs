@@ -167,6 +167,14 @@ fn parse_numbers<T: std::str::FromStr, const N: usize>(text: &str) -> Option<[T;
     numbers.try_into().ok()
 }
 
+/// A part of a whole, from 0 to below 1.
+pub(crate) fn parse_share(text: &str) -> Result<f32, String> {
+    let share = text.parse().ok();
+    share
+        .filter(|part: &f32| (0.0..1.0).contains(part))
+        .ok_or_else(|| "expected a part of the light, at least 0 and below 1".to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

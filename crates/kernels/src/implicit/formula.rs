@@ -35,23 +35,13 @@ pub struct Formula {
 impl Formula {
     /// Brackets, functions, signs and powers in each other.
     pub const MOST_NESTED: usize = 256;
-    /// Operations of a tape, which each search of a root goes through many times.
-    pub const MOST_OPERATIONS: usize = 1 << 14;
 
     /// Reads a formula; `params` are further names and their numbers.
     pub fn parse(source: &str, params: &[(String, f64)]) -> Result<Self, FormulaError> {
         let (graph, root) = parse(source, params)?;
-        let tape = graph.tape(root);
-        if tape.ops() > Self::MOST_OPERATIONS {
-            let (ops, most) = (tape.ops(), Self::MOST_OPERATIONS);
-            let message = format!(
-                "{ops} operations are left when equal parts are shared; at most {most} are computed"
-            );
-            return Err(FormulaError::new(source, 0, message));
-        }
         Ok(Self {
             source: source.to_owned(),
-            tape,
+            tape: graph.tape(root),
         })
     }
 

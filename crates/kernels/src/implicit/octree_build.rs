@@ -14,6 +14,8 @@ impl Growth {
     pub(super) const MOST_LEVELS: u32 = 10;
     /// No level is begun that would divide more cells than this.
     const MOST_DIVIDED: usize = 50_000;
+    /// Nor one in which these cells have more operations to go through together.
+    const MOST_OPERATIONS: usize = 4_000_000;
     /// Nor one after the tree takes this many bytes. What the last level adds is at most eight leaves and tapes for each divided cell.
     const MOST_BYTES: usize = 32 << 20;
     /// Tapes are worth their memory if they leave out a quarter.
@@ -59,7 +61,8 @@ impl Octree {
             }],
         };
         for level in 0..Growth::MOST_LEVELS {
-            let too_many = open.len() > Growth::MOST_DIVIDED || tree.memory() > Growth::MOST_BYTES;
+            let most = Growth::MOST_DIVIDED.min(Growth::MOST_OPERATIONS / tape.ops().max(1));
+            let too_many = open.len() > most || tree.memory() > Growth::MOST_BYTES;
             if open.is_empty() || (level > 0 && too_many) {
                 break;
             }

@@ -17,6 +17,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 pub enum ImplicitError {
     /// The function is the same everywhere.
     Constant,
+    /// The function takes more than [`ImplicitSurface::MOST_OPERATIONS`].
+    TooLong,
     /// The function has no value anywhere in the bounds.
     Undefined,
     /// The function has values in the bounds, but is zero nowhere.
@@ -31,6 +33,13 @@ impl std::fmt::Display for ImplicitError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Constant => "the function is constant: it depends on none of x, y and z",
+            Self::TooLong => {
+                let most = ImplicitSurface::MOST_OPERATIONS;
+                return write!(
+                    f,
+                    "the function is too long: more than {most} operations are left when equal parts are shared"
+                );
+            }
             Self::Undefined => "the function has no value anywhere in the bounds",
             Self::NoSurface => "the function is zero nowhere in the bounds",
             Self::NeedsBounds => {
@@ -105,12 +114,17 @@ impl ImplicitSurface {
     pub const TOLERANCE: f64 = 1e-9;
     /// Interval evaluations that a ray may take; then its nearest undecided piece counts as a root.
     pub const MOST_EVALUATIONS: u32 = 4096;
+    /// Operations of a function, all of which most evaluations go through.
+    pub const MOST_OPERATIONS: usize = 1 << 14;
 
     /// The surface within `bounds`, or, where it is proved that it ends, all of it.
     pub fn new(formula: Formula, bounds: Option<Aabb>) -> Result<Self, ImplicitError> {
         let tape = formula.tape().clone();
         if tape.is_constant() {
             return Err(ImplicitError::Constant);
+        }
+        if tape.ops() > Self::MOST_OPERATIONS {
+            return Err(ImplicitError::TooLong);
         }
         let mut scratch = Scratch::default();
         let whole = match bounds {

@@ -64,7 +64,7 @@ impl ShadowMap {
     }
 
     /// The first face from `first` on that holds a point, and the point as it sees it.
-    fn find(&self, first: usize, p: Vec3, ng: Vec3) -> Option<(usize, Receiver)> {
+    pub(super) fn find(&self, first: usize, p: Vec3, ng: Vec3) -> Option<(usize, Receiver)> {
         let on = |face: usize| receiver(&self.faces[face].view, &self.settings.bias, p, ng);
         if self.cube {
             let face = face_of(p - self.faces[0].view.origin);
@@ -85,19 +85,11 @@ impl ShadowMap {
 
     /// What the filter says on a face, and in the [zone](Self::zone) before the rim of a cascade more and more what it says on the next one that holds the
     /// point. A penumbra of so many texels is wider there: at a sharp seam its edges would jump.
-    fn blend(&self, face: usize, receiver: &Receiver, p: Vec3, ng: Vec3) -> f32 {
+    pub(super) fn blend(&self, face: usize, receiver: &Receiver, p: Vec3, ng: Vec3) -> f32 {
         let own = self.filter(face, receiver);
-        let (reach, zone) = (self.settings.filter.reach(), self.zone(face));
-        let map = &self.faces[face];
-        if zone == 0.0 || map.holds(receiver, reach + zone) {
+        let Some(share) = self.own_share(face, receiver) else {
             return own;
-        }
-        let side = map.view.side as f32;
-        let to_rim = receiver
-            .at
-            .min_element()
-            .min(side - receiver.at.max_element());
-        let share = ((to_rim - reach) / zone).clamp(0.0, 1.0);
+        };
         match self.find(face + 1, p, ng) {
             Some((next, seen)) => {
                 let other = self.blend(next, &seen, p, ng);
@@ -105,6 +97,21 @@ impl ShadowMap {
             }
             None => own,
         }
+    }
+
+    /// The part of a face's answer in the zone; `None` where it is all of it.
+    pub(super) fn own_share(&self, face: usize, receiver: &Receiver) -> Option<f32> {
+        let (reach, zone) = (self.settings.filter.reach(), self.zone(face));
+        let map = &self.faces[face];
+        if zone == 0.0 || map.holds(receiver, reach + zone) {
+            return None;
+        }
+        let side = map.view.side as f32;
+        let to_rim = receiver
+            .at
+            .min_element()
+            .min(side - receiver.at.max_element());
+        Some(((to_rim - reach) / zone).clamp(0.0, 1.0))
     }
 
     /// Width in texels of the zone, inside of what the filter needs, in which a cascade's answers go over to the next one's: eight of the filter's reaches, but at
@@ -118,7 +125,7 @@ impl ShadowMap {
         (8.0 * self.settings.filter.reach()).min(0.125 * self.faces[face].view.side as f32)
     }
 
-    fn taps<'a>(&'a self, face: usize, receiver: &'a Receiver) -> Taps<'a> {
+    pub(super) fn taps<'a>(&'a self, face: usize, receiver: &'a Receiver) -> Taps<'a> {
         Taps {
             faces: &self.faces,
             face,

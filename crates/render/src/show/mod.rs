@@ -1,5 +1,6 @@
 //! The pictures of shadow mapping: what the light sees, what the map holds, what the comparison says.
 
+mod error_shown;
 mod light_pictures;
 mod map_pictures;
 mod seen;
@@ -8,6 +9,7 @@ use crate::{
     Camera, Control, Image, Method, SceneBvh, Settings, ShadowMaps, Tonemap, develop,
     render::render_with_maps, srgb::srgb_to_linear,
 };
+use error_shown::error;
 use light_pictures::{light_depth, light_view};
 use map_pictures::{compare, map_texels};
 use seen::see;
@@ -27,6 +29,8 @@ pub enum Show {
     Compare,
     /// Each texel of the map in a colour of its own, on the surfaces, or each square of as many texels as take to be seen; grey where no map is.
     MapTexels,
+    /// Where the map differs from exact rays, in the colours of the [causes](crate::Cause); asks as many rays as the truth takes.
+    Error,
 }
 
 /// A picture and its numbers.
@@ -59,7 +63,7 @@ pub struct ShowContext<'a> {
     pub camera: &'a Camera,
     /// Resolution, sampling and glass; the method is always [`Method::ShadowMap`].
     pub settings: &'a Settings,
-    /// The maps of all lights.
+    /// The maps of all lights; with ids for [`Show::Error`].
     pub maps: &'a ShadowMaps,
     /// Position in [`Scene::lights`](crate::Scene::lights) of the light that [`Show::LightView`] and those after it are about; it must exist.
     pub light: usize,
@@ -71,7 +75,18 @@ pub struct ShowContext<'a> {
 
 impl Show {
     /// All of them, in the order of the lecture.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
+        Self::Lit,
+        Self::LightView,
+        Self::LightDepth,
+        Self::Compare,
+        Self::MapTexels,
+        Self::Shadowed,
+        Self::Error,
+    ];
+
+    /// Those that one sheet shows: what the method does, step by step.
+    pub const SHEET: [Self; 6] = [
         Self::Lit,
         Self::LightView,
         Self::LightDepth,
@@ -89,6 +104,7 @@ impl Show {
             Self::LightDepth => "light-depth",
             Self::Compare => "compare",
             Self::MapTexels => "map-texels",
+            Self::Error => "error",
         }
     }
 
@@ -101,6 +117,7 @@ impl Show {
             Self::LightDepth => &["light-depth.R", "light-depth.G", "light-depth.B"],
             Self::Compare => &["compare.R", "compare.G", "compare.B"],
             Self::MapTexels => &["map-texels.R", "map-texels.G", "map-texels.B"],
+            Self::Error => &["error.R", "error.G", "error.B"],
         }
     }
 
@@ -121,6 +138,10 @@ pub fn show(show: Show, context: &ShowContext, control: &Control) -> Shown {
         Show::LightDepth => light_depth(context),
         Show::Compare => compare(context, &as_shown(&lit(context, control).image, context)),
         Show::MapTexels => map_texels(context),
+        Show::Error => {
+            let ground = as_shown(&shadowed(context, control).image, context);
+            error(context, &ground, control)
+        }
     }
 }
 
