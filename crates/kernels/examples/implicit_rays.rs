@@ -48,8 +48,11 @@ fn camera_rays() -> Vec<Ray> {
     (0..SIDE * SIDE).map(ray).collect()
 }
 
-/// The torus and the gyroid, written by hand.
-const BY_HAND: [(usize, fn(f64, f64, f64) -> f64); 2] = [
+/// A function of x, y and z.
+type Function = fn(f64, f64, f64) -> f64;
+
+/// The torus and the gyroid, written by hand, by their places in [`SHAPES`].
+const BY_HAND: [(usize, Function); 2] = [
     (1, |x, y, z| {
         let ring = (x * x + y * y).sqrt() - 1.0;
         ring * ring + z * z - 0.35 * 0.35
@@ -65,7 +68,7 @@ const BY_HAND: [(usize, fn(f64, f64, f64) -> f64); 2] = [
 ];
 
 /// Prints what one value takes by each way to evaluate a formula.
-fn time_evaluators(name: &str, source: &str, by_hand: fn(f64, f64, f64) -> f64) {
+fn time_evaluators(name: &str, source: &str, by_hand: Function) {
     const POINTS: usize = 4096;
     let formula = Formula::parse(source, &[]).expect("a formula");
     let (tape, mut scratch) = (formula.tape(), Scratch::default());
