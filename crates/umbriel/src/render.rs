@@ -46,7 +46,11 @@ pub(crate) fn render_once(args: &RenderArgs, start: Instant) -> Result<(), Failu
     let (loaded, load) = timed(|| pool.install(|| load(args, target)));
     let loaded = loaded?;
     let plan = make_plan(args, &loaded, default_exposure(&args.scene, &loaded))?;
-    check_memory(plan.settings.resolution, exr_channels(args, &plan, target), sample_bytes(&plan))?;
+    check_memory(
+        plan.settings.resolution,
+        exr_channels(args, &plan, target),
+        sample_bytes(&plan),
+    )?;
     check_shadow_memory(&plan.settings, &loaded.scene.lights)?;
     let camera = choose_camera(&loaded.scene, &args.view)?;
     let show = choose_show(args, target, &plan, &loaded.scene.lights)?;

@@ -52,8 +52,7 @@ pub fn pdf_ggx_transmission(alpha: f32, eta: f32, n: Vec3, half: Vec3, wo: Vec3,
     let spread = o + eta * i;
     let jacobian = eta * eta * i.abs() / (spread * spread);
     let a2 = alpha * alpha;
-    masking(alpha, cos_o) * a2 / a2_over_distribution(a2, n.dot(half)) * o.abs() / cos_o
-        * jacobian
+    masking(alpha, cos_o) * a2 / a2_over_distribution(a2, n.dot(half)) * o.abs() / cos_o * jacobian
 }
 
 /// Smith's `G₁`: the fraction of the microfacets facing a direction that is seen from it; `cos` from the surface's normal, in `(0, 1]`.

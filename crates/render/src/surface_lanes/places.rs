@@ -6,7 +6,7 @@ use crate::{
     mesh_lanes::MeshLanes,
     surface::{Place, ToWorld, towards_viewer, turn_to_viewer},
 };
-use umbriel_kernels::{LANES, glam::Vec3, whole_vectors};
+use umbriel_kernels::{glam::Vec3, whole_vectors};
 
 impl SurfaceLanes {
     /// Positions and normals on a mesh.

@@ -99,7 +99,7 @@ fn trace(
     light: usize,
     how: &TruthSettings,
 ) -> LightTruth {
-    let progress = Progress::new(job.args.quiet);
+    let progress = Progress::new(job.args.quiet, true);
     let control = Control {
         stop: &STOP,
         progress: &|done, total| progress.update(done, total),
