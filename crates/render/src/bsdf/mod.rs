@@ -227,7 +227,7 @@ impl Bsdf {
             .lerp(fresnel_schlick(cos, self.metal(cos_o)), self.metallic)
     }
 
-    /// What the clear dielectric reflects; a thin wall reflects at both of its sides, again and again:
+    /// What the clear dielectric reflects, by [`fresnel_dielectric`]; a thin wall reflects at both of its sides, again and again:
     /// ```text
     /// R = F + (1−F)² F (1 + F² + F⁴ + ...) = 2F/(1 + F)
     /// ```

@@ -62,7 +62,7 @@ fn distance_to(to_center: Vec3, radius: f32, wi: Vec3) -> f32 {
     }
 }
 
-/// The solid angle of the sphere, at most 4π.
+/// The solid angle of the sphere, at most 4π, by [`cone_height`].
 #[cfg(test)]
 fn solid_angle(p: Vec3, center: Vec3, radius: f32) -> f32 {
     TAU * cone_height(center - p, radius)

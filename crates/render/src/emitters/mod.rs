@@ -1,0 +1,209 @@
+//! All that shines in a scene, and how a point chooses a ray towards it.
+
+mod radiance;
+mod shape;
+
+use crate::{AlphaMode, Geometry, Instance, LightBounds, LightTree, Scene};
+use shape::{
+    Emitter, emitter_box, light_bounds, light_ray, outward_sign, world_surface, world_triangle,
+};
+use std::f32::consts::PI;
+use umbriel_kernels::{
+    Aabb,
+    glam::{Vec2, Vec3},
+};
+
+/// A ray towards a light that was chosen at random.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LightRay {
+    /// Unit direction towards the light.
+    pub(crate) wi: Vec3,
+    /// From the lit point to the light, or the unit direction where the light has no end.
+    pub(crate) to_light: Vec3,
+    /// Where the ray ends, in lengths of `to_light`; infinite where the light has no end.
+    pub(crate) t_max: f32,
+    /// Arriving radiance over the density of the direction, or the illuminance over the probability for lights without extent.
+    pub(crate) radiance: Vec3,
+    /// Density of the direction in 1/sr, by all that was chosen; infinite for lights without extent.
+    pub(crate) pdf: f32,
+}
+
+/// The cosine that opens the cone of normals of what shines on both sides.
+const BOTH_SIDES: f32 = -1.0;
+
+/// Rays end before the light that they are aimed at: by more than rounding errors, and less than anything that could stand there.
+const ALMOST: f32 = 1.0 - 1e-4;
+
+#[derive(Clone, Copy, Debug)]
+struct Placed {
+    emitter: Emitter,
+    /// Instance and primitive of what is no [`Light`].
+    instance: u32,
+    primitive: u32,
+}
+
+/// The lights of a scene and its glowing surfaces.
+#[derive(Debug, Default)]
+pub(crate) struct Emitters {
+    placed: Vec<Placed>,
+    tree: LightTree,
+    /// Lights without a place, by their position in [`Scene::lights`].
+    parallel: Vec<u32>,
+    /// The first of the emitters of each instance, which stand in the order of its primitives.
+    first: Vec<Option<u32>>,
+}
+
+impl Emitters {
+    /// Collects what shines. Glowing surfaces without a sampling formula of their own (cylinders, cones, tori, boxes, implicit surfaces, and
+    /// scaled spheres and disks) are left to the rays that find them, as are those with holes.
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let mut emitters = Self::default();
+        let mut bounds = Vec::new();
+        for (number, light) in (0..).zip(&scene.lights) {
+            match light_bounds(light) {
+                Some(own) => {
+                    bounds.push(own);
+                    emitters.placed.push(Placed {
+                        emitter: Emitter::Light(number),
+                        instance: u32::MAX,
+                        primitive: 0,
+                    });
+                }
+                None => emitters.parallel.push(number),
+            }
+        }
+        for (number, instance) in (0..).zip(&scene.instances) {
+            let first = emitters.placed.len();
+            emitters.add_instance(scene, number, instance, &mut bounds);
+            let any = emitters.placed.len() > first;
+            emitters.first.push(any.then_some(first as u32));
+        }
+        emitters.tree = LightTree::build(&bounds);
+        emitters
+    }
+
+    fn add_instance(
+        &mut self,
+        scene: &Scene,
+        number: u32,
+        instance: &Instance,
+        bounds: &mut Vec<LightBounds>,
+    ) {
+        let material = &scene.materials[instance.material.index()];
+        let power = material.emission.max_element();
+        if !(power > 0.0) || material.unlit || material.alpha_mode != AlphaMode::Opaque {
+            return;
+        }
+        let mut add = |emitter: Emitter, primitive, area: f32, axis: Vec3, cos_normals, aabb| {
+            self.placed.push(Placed {
+                emitter,
+                instance: number,
+                primitive,
+            });
+            bounds.push(LightBounds {
+                aabb,
+                axis,
+                cos_normals,
+                // A triangle without area keeps its place in the order, and is never chosen by much.
+                power: (power * area * PI).max(f32::MIN_POSITIVE),
+            });
+        };
+        match instance.geometry {
+            Geometry::Mesh(id) => {
+                let outwards = outward_sign(instance);
+                let sides = if material.shows_back() {
+                    BOTH_SIDES
+                } else {
+                    1.0
+                };
+                let mesh = &scene.meshes[id.index()];
+                for i in 0..mesh.indices.len() {
+                    let t = world_triangle(&mesh.triangle(i), &instance.transform);
+                    let cross = (t.b - t.a).cross(t.c - t.a);
+                    let normal = outwards * cross.normalize_or(Vec3::Z);
+                    let aabb = Aabb {
+                        min: t.a.min(t.b).min(t.c),
+                        max: t.a.max(t.b).max(t.c),
+                    };
+                    let area = 0.5 * cross.length();
+                    add(Emitter::Triangle(t), i as u32, area, normal, sides, aabb);
+                }
+            }
+            Geometry::Surface(id) => {
+                let surface = &scene.surfaces[id.index()];
+                if let Some((emitter, area, axis)) = world_surface(surface, &instance.transform) {
+                    let aabb = emitter_box(&emitter);
+                    add(emitter, 0, area, axis, BOTH_SIDES, aabb);
+                }
+            }
+        }
+    }
+
+    /// Whether there is nothing to aim at.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.placed.is_empty() && self.parallel.is_empty()
+    }
+
+    /// The share of the choices that goes to lights without a place.
+    fn parallel_share(&self) -> f32 {
+        let parallel = self.parallel.len() as f32;
+        parallel / (parallel + if self.placed.is_empty() { 0.0 } else { 1.0 })
+    }
+
+    /// Chooses a ray from the point `p` towards a light. `n` is the normal of the side that takes light, `None` if both do; `choice` in
+    /// `[0, 1)` chooses the light, `u` in `[0, 1)²` the place on it.
+    pub(crate) fn sample(
+        &self,
+        scene: &Scene,
+        p: Vec3,
+        n: Option<Vec3>,
+        choice: f32,
+        u: Vec2,
+    ) -> Option<LightRay> {
+        let share = self.parallel_share();
+        if choice < share {
+            let count = self.parallel.len();
+            let number = self.parallel[((choice / share * count as f32) as usize).min(count - 1)];
+            return light_ray(&scene.lights[number as usize], p, share / count as f32);
+        }
+        let choice = ((choice - share) / (1.0 - share)).clamp(0.0, 1.0 - f32::EPSILON);
+        let (chosen, probability) = self.tree.sample(p, n, choice)?;
+        let placed = &self.placed[chosen as usize];
+        let probability = probability * (1.0 - share);
+        if let Emitter::Light(number) = placed.emitter {
+            return light_ray(&scene.lights[number as usize], p, probability);
+        }
+        let found = placed.emitter.sample(p, u)?;
+        let pdf = found.pdf * probability;
+        let radiance = placed.radiance(scene, p + found.wi * found.distance, -found.wi);
+        Some(LightRay {
+            wi: found.wi,
+            to_light: found.wi * found.distance,
+            t_max: ALMOST,
+            radiance: radiance / pdf,
+            pdf,
+        })
+    }
+
+    /// The density in 1/sr with which [`Emitters::sample`] chooses the direction of `to_light`, from `p` to a point of a primitive; 0 if
+    /// it never does.
+    pub(crate) fn pdf(
+        &self,
+        instance: u32,
+        primitive: u32,
+        p: Vec3,
+        n: Option<Vec3>,
+        to_light: Vec3,
+    ) -> f32 {
+        let Some(first) = self.first[instance as usize] else {
+            return 0.0;
+        };
+        let number = first + primitive;
+        let density = self.placed[number as usize].emitter.pdf(p, to_light);
+        if density == 0.0 {
+            return 0.0;
+        }
+        let choice = self.tree.probability(p, n, number);
+        density * choice * (1.0 - self.parallel_share())
+    }
+}

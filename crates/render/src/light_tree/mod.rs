@@ -1,0 +1,190 @@
+//! Many lights: one of them is chosen at random, by how much it may light a point.
+
+mod bounds;
+mod build;
+
+pub use bounds::LightBounds;
+use umbriel_kernels::glam::Vec3;
+
+/// A binary tree over lights.
+#[derive(Clone, Debug, Default)]
+pub struct LightTree {
+    nodes: Vec<Node>,
+    /// The leaf of each light, for the way up.
+    leaves: Vec<u32>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: LightBounds,
+    parent: u32,
+    kind: Kind,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Kind {
+    Leaf {
+        light: u32,
+    },
+    /// The first child is the next node.
+    Inner {
+        second: u32,
+    },
+}
+
+impl LightTree {
+    /// Chooses a light for the point `p` that faces `n`, or takes light from all sides; `u` in `[0, 1)`. Gives its number and
+    /// the probability with which it was chosen, greater than 0; `None` where no light shines, or none of a group that was chosen.
+    pub fn sample(&self, p: Vec3, n: Option<Vec3>, mut u: f32) -> Option<(u32, f32)> {
+        let mut node = self.nodes.first()?;
+        let mut number = 0;
+        let mut probability = 1.0;
+        if !(node.bounds.importance(p, n) > 0.0) {
+            return None;
+        }
+        loop {
+            let second = match node.kind {
+                Kind::Leaf { light } => return Some((light, probability)),
+                Kind::Inner { second } => second,
+            };
+            let first = number + 1;
+            let share = self.first_share(first, second, p, n)?;
+            (number, u, probability) = if u < share {
+                (first, u / share, probability * share)
+            } else {
+                (
+                    second,
+                    (u - share) / (1.0 - share),
+                    probability * (1.0 - share),
+                )
+            };
+            // Rounding may leave 1.
+            u = u.min(1.0 - f32::EPSILON);
+            node = &self.nodes[number as usize];
+        }
+    }
+
+    /// The probability with which [`LightTree::sample`] chooses the light number `light`.
+    pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: u32) -> f32 {
+        let mut number = self.leaves[light as usize];
+        let mut probability = 1.0;
+        if !(self.nodes[0].bounds.importance(p, n) > 0.0) {
+            return 0.0;
+        }
+        while self.nodes[number as usize].parent != number {
+            let parent = self.nodes[number as usize].parent;
+            let Kind::Inner { second } = self.nodes[parent as usize].kind else {
+                return 0.0;
+            };
+            let Some(share) = self.first_share(parent + 1, second, p, n) else {
+                return 0.0;
+            };
+            probability *= if number == second { 1.0 - share } else { share };
+            number = parent;
+        }
+        probability
+    }
+
+    /// The probability of the first of two children; `None` where neither shines.
+    fn first_share(&self, first: u32, second: u32, p: Vec3, n: Option<Vec3>) -> Option<f32> {
+        let [a, b] = [first, second].map(|i| self.nodes[i as usize].bounds.importance(p, n));
+        let sum = a + b;
+        (sum > 0.0 && sum.is_finite()).then(|| a / sum)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::PixelSampler;
+    use umbriel_kernels::Aabb;
+
+    /// Small flat lights in a cube, of different powers and directions.
+    fn lights(count: u32) -> Vec<LightBounds> {
+        (0..count)
+            .map(|i| {
+                let number = |pair| PixelSampler::new(i, 0, u32::MAX, 1).pair(0, pair);
+                let (a, b, c) = (number(0), number(1), number(2));
+                let at = 10.0 * Vec3::new(a.x, a.y, b.x);
+                LightBounds {
+                    aabb: Aabb {
+                        min: at,
+                        max: at + Vec3::splat(0.01),
+                    },
+                    axis: Vec3::new(b.y - 0.5, c.x - 0.5, c.y - 0.5).normalize(),
+                    cos_normals: 1.0,
+                    power: 0.1 + c.x,
+                }
+            })
+            .collect()
+    }
+
+    /// The probabilities sum to 1, but for what finds no light, and sampling finds each light with its own.
+    #[test]
+    fn probabilities_are_those_of_sampling() {
+        for count in [1, 2, 7, 100] {
+            let lights = lights(count);
+            let tree = LightTree::build(&lights);
+            for (p, n) in [
+                (Vec3::splat(5.0), Some(Vec3::Y)),
+                (Vec3::new(20.0, -3.0, 1.0), None),
+            ] {
+                let all: f64 = (0..count)
+                    .map(|i| f64::from(tree.probability(p, n, i)))
+                    .sum();
+                let steps = 100_000;
+                let mut found = vec![0.0; count as usize];
+                let mut nothing = 0.0;
+                for i in 0..steps {
+                    let u = (i as f32 + 0.5) / steps as f32;
+                    let Some((light, probability)) = tree.sample(p, n, u) else {
+                        nothing += 1.0 / f64::from(steps);
+                        continue;
+                    };
+                    let expected = tree.probability(p, n, light);
+                    assert!((probability / expected - 1.0).abs() < 1e-4);
+                    found[light as usize] += 1.0 / f64::from(steps);
+                }
+                // A group may look as if it shone where none of its parts does.
+                assert!(
+                    (all + nothing - 1.0).abs() < 1e-3,
+                    "{count}: {all} {nothing}"
+                );
+                for (i, share) in (0..).zip(found) {
+                    let expected = f64::from(tree.probability(p, n, i));
+                    assert!((share - expected).abs() < 2e-4, "{i}: {share} {expected}");
+                }
+            }
+        }
+    }
+
+    /// What one light sends to a point of normal `n`.
+    fn arriving(light: &LightBounds, p: Vec3, n: Vec3) -> f32 {
+        let to = 0.5 * (light.aabb.min + light.aabb.max) - p;
+        let wi = to.normalize();
+        let cosines = wi.dot(n).max(0.0) * (-wi).dot(light.axis).max(0.0);
+        light.power * cosines / to.length_squared()
+    }
+
+    /// No light that shines on a point is left out, and the variance is far below that of a choice by power.
+    #[test]
+    fn near_lights_are_chosen() {
+        let lights = lights(10_000);
+        let tree = LightTree::build(&lights);
+        let power: f32 = lights.iter().map(|l| l.power).sum();
+        let (mut by_tree, mut by_power) = (0.0_f64, 0.0_f64);
+        for k in 0..20 {
+            let p = Vec3::new(0.5 * k as f32, 5.0, 3.0);
+            for (i, light) in (0..).zip(&lights) {
+                let e = arriving(light, p, Vec3::Y);
+                if e > 0.0 {
+                    let probability = tree.probability(p, Some(Vec3::Y), i);
+                    assert!(probability > 0.0, "{k} {i}");
+                    by_tree += f64::from(e * e / probability);
+                    by_power += f64::from(e * e / (light.power / power));
+                }
+            }
+        }
+        assert!(by_tree < 0.2 * by_power, "{by_tree} against {by_power}");
+    }
+}
