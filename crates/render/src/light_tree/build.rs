@@ -105,18 +105,15 @@ fn cheapest_border(lights: &[LightBounds], members: &[u32]) -> Option<(usize, f3
         if !(extent > 0.0) {
             continue;
         }
-        let mut bins: [Option<LightBounds>; BINS] = [None; BINS];
-        for &light in members {
-            let at = (center(lights, light)[axis] - least[axis]) / extent * BINS as f32;
-            let bin = &mut bins[(at as usize).min(BINS - 1)];
-            let own = lights[light as usize];
-            *bin = Some(bin.map_or(own, |sum| sum.union(&own)));
-        }
+        let bins = fill_bins(lights, members, axis, least[axis], extent);
         for border in 1..BINS {
             let [below, above] = [&bins[..border], &bins[border..]].map(group_cost);
+            let (Some(below), Some(above)) = (below, above) else {
+                continue;
+            };
             // A thin box is better parted across its length.
             let cost = (below + above) * longest / extent;
-            if below > 0.0 && above > 0.0 && best.is_none_or(|(least, ..)| cost < least) {
+            if best.is_none_or(|(least, ..)| cost < least) {
                 let at = least[axis] + extent * border as f32 / BINS as f32;
                 best = Some((cost, axis, at));
             }
@@ -125,7 +122,26 @@ fn cheapest_border(lights: &[LightBounds], members: &[u32]) -> Option<(usize, f3
     best.map(|(_, axis, at)| (axis, at))
 }
 
-fn group_cost(bins: &[Option<LightBounds>]) -> f32 {
+/// The lights together whose centres lie in each slice of the axis from `least` on.
+fn fill_bins(
+    lights: &[LightBounds],
+    members: &[u32],
+    axis: usize,
+    least: f32,
+    extent: f32,
+) -> [Option<LightBounds>; BINS] {
+    let mut bins: [Option<LightBounds>; BINS] = [None; BINS];
+    for &light in members {
+        let at = (center(lights, light)[axis] - least) / extent * BINS as f32;
+        let bin = &mut bins[(at as usize).min(BINS - 1)];
+        let own = lights[light as usize];
+        *bin = Some(bin.map_or(own, |sum| sum.union(&own)));
+    }
+    bins
+}
+
+/// `None` without lights.
+fn group_cost(bins: &[Option<LightBounds>]) -> Option<f32> {
     let all = bins.iter().flatten().copied();
-    all.reduce(|a, b| a.union(&b)).map_or(0.0, |sum| sum.cost())
+    all.reduce(|a, b| a.union(&b)).map(|sum| sum.cost())
 }

@@ -187,4 +187,25 @@ mod tests {
         }
         assert!(by_tree < 0.2 * by_power, "{by_tree} against {by_power}");
     }
+
+    /// A light far away that gives nothing takes no share from those nearby.
+    #[test]
+    fn a_dark_light_changes_no_choice() {
+        let near = lights(30);
+        let dark = LightBounds {
+            aabb: Aabb {
+                min: Vec3::splat(1000.0),
+                max: Vec3::splat(1000.0),
+            },
+            cos_normals: -1.0,
+            power: f32::MIN_POSITIVE,
+            ..near[0]
+        };
+        let with_dark: Vec<_> = near.iter().copied().chain([dark]).collect();
+        let [alone, beside] = [&near, &with_dark].map(|all| LightTree::build(all));
+        for light in 0..30 {
+            let [a, b] = [&alone, &beside].map(|t| t.probability(Vec3::splat(5.0), None, light));
+            assert!((a - b).abs() <= 1e-3 * a, "{light}: {a} {b}");
+        }
+    }
 }
