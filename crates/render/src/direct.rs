@@ -1,7 +1,8 @@
 //! THE direct-light loop: every algorithm lights its surfaces here.
 
 use crate::{
-    Light, LightSample, SurfaceInteraction, shade_block::SeenLanes, surface_lanes::SurfaceLanes,
+    Light, LightSample, SurfaceInteraction, bsdf::Plain, shade_block::SeenLanes,
+    surface_lanes::SurfaceLanes,
 };
 use std::f32::consts::FRAC_1_PI;
 use umbriel_kernels::{
@@ -115,7 +116,7 @@ impl LitLanes {
                 weights,
                 light,
                 #[inline(always)]
-                |s, wi| s.bsdf.eval_plain(s.ns, s.wo, wi),
+                |s, wi| Plain::new(&s.bsdf, s.ns.dot(s.wo)).eval(s.ns, s.wo, wi),
                 keep,
             );
         } else {

@@ -91,6 +91,7 @@ mod surface_lanes;
 mod texture;
 mod trace;
 mod truth;
+mod turn;
 mod unshadowed;
 mod validate;
 mod validate_parts;

@@ -18,8 +18,8 @@ const TILE_BITS: u32 = 10;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PixelSampler {
     /// Place on the Z-shaped curve, times the samples a pixel has at most.
-    first: u32,
-    key: u32,
+    pub(crate) first: u32,
+    pub(crate) key: u32,
 }
 
 impl PixelSampler {

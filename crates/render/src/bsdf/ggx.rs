@@ -1,6 +1,7 @@
 //! The rough specular lobe: microfacets with the GGX distribution.
 
-use std::f32::consts::{PI, TAU};
+use crate::turn::cos_sin_turn;
+use std::f32::consts::PI;
 use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// `D V` of the Cook-Torrance model; times the Fresnel factor it is the specular `f`, in 1/sr.
@@ -68,7 +69,7 @@ pub fn sample_ggx_visible(alpha: f32, n: Vec3, wo: Vec3, u: Vec2) -> Vec3 {
 #[inline(always)]
 pub(super) fn sample_cap(alpha: Vec2, wo: Vec3, k: f32, u: Vec2) -> Vec3 {
     let v = Vec3::new(alpha.x * wo.x, alpha.y * wo.y, wo.z).normalize_or(Vec3::Z);
-    let (sin, cos) = (TAU * u.x).sin_cos();
+    let (cos, sin) = cos_sin_turn(u.x);
     let low = k * v.z;
     let z = (1.0 - u.y) * (1.0 + low) - low;
     let r = (1.0 - z * z).max(0.0).sqrt();

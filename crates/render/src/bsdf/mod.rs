@@ -7,6 +7,7 @@ mod ggx_anisotropic;
 mod ggx_transmission;
 mod iridescence;
 mod layers;
+mod plain;
 mod sample;
 mod sheen;
 
@@ -17,6 +18,7 @@ pub use ggx_anisotropic::Brush;
 pub use ggx_transmission::{eval_ggx_transmission, pdf_ggx_transmission, refracting_half};
 pub use iridescence::reflect_film;
 pub use layers::Layers;
+pub(crate) use plain::Plain;
 pub use sample::BsdfSample;
 pub use sheen::eval_sheen;
 
@@ -129,9 +131,14 @@ impl Bsdf {
     /// Source: Khronos, glTF 2.0 specification, appendix B, 2021, but for the scaling.
     #[inline]
     pub fn eval(&self, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
-        if self.layers.is_none() && self.transmission == 0.0 {
-            return self.eval_plain(n, wo, wi);
+        if Plain::is(self) {
+            return Plain::new(self, n.dot(wo)).eval(n, wo, wi);
         }
+        self.eval_layered(n, wo, wi)
+    }
+
+    /// [`Bsdf::eval`] of any material.
+    fn eval_layered(&self, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
         let cos_i = n.dot(wi);
         if !(cos_i > 0.0) {
             return Vec3::ZERO;
@@ -141,33 +148,6 @@ impl Bsdf {
         self.layers
             .map_or(base, |layers| layers.eval_over(base, n, half, wo, wi))
             * cos_i
-    }
-
-    /// [`Bsdf::eval`] of an opaque material without layers, for loops over lanes.
-    #[inline(always)]
-    pub(crate) fn eval_plain(&self, n: Vec3, wo: Vec3, wi: Vec3) -> Vec3 {
-        let (cos_o, cos_i) = (n.dot(wo), n.dot(wi));
-        if !(cos_i > 0.0) {
-            return Vec3::ZERO;
-        }
-        let half = (wo + wi).normalize_or(n);
-        let albedo = Albedo::new(cos_o, self.roughness);
-        let dielectric = normal_reflectance(self.ior);
-        let grazing = grazing_reflectance(dielectric);
-        let inside = 1.0
-            - albedo
-                .reflected(Vec3::splat(dielectric), Vec3::splat(grazing))
-                .x;
-        let mut f = eval_diffuse(self.diffuse_color() * inside);
-        let alpha = width(self.roughness);
-        if alpha > 0.0 {
-            let f0 = self.f0();
-            let f90 = Vec3::splat(grazing + (1.0 - grazing) * self.metallic);
-            f += schlick_between(wo.dot(half), f0, f90)
-                * albedo.compensation(f0)
-                * eval_ggx(alpha, n, half, wo, wi);
-        }
-        f * cos_i
     }
 
     /// Diffuse and specular reflection without coat and sheen.

@@ -1,8 +1,8 @@
 //! Directions in which a material scatters light, chosen at random by lobe.
 
 use super::{
-    Bsdf, eval_ggx_transmission, ggx::pdf_ggx_visible, pdf_diffuse, pdf_ggx, pdf_ggx_transmission,
-    refracting_half, sample_diffuse, sample_ggx, sample_ggx_visible, width,
+    Bsdf, Plain, eval_ggx_transmission, ggx::pdf_ggx_visible, pdf_diffuse, pdf_ggx,
+    pdf_ggx_transmission, refracting_half, sample_diffuse, sample_ggx, sample_ggx_visible, width,
 };
 use crate::fresnel::{reflect, refract};
 use umbriel_kernels::glam::{Vec2, Vec3};
@@ -84,6 +84,37 @@ impl Bsdf {
     /// `n` is the shading normal on the side of `wo`. `None` where the direction is of no use: on the wrong side of the surface, where
     /// nothing is scattered, or without any lobe.
     pub fn sample(&self, n: Vec3, wo: Vec3, lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        if Plain::is(self) && self.roughness > 0.0 {
+            return self.sample_plain(n, wo, lobe, u);
+        }
+        self.sample_layered(n, wo, lobe, u)
+    }
+
+    fn sample_plain(&self, n: Vec3, wo: Vec3, lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        let cos_o = n.dot(wo);
+        if !(cos_o > 0.0) {
+            return None;
+        }
+        let plain = Plain::new(self, cos_o);
+        let wi = plain.direction(n, wo, lobe, u);
+        let pdf = plain.pdf(n, wo, wi);
+        let weight = plain.eval(n, wo, wi) / pdf;
+        (pdf > 0.0 && weight.max_element() > 0.0 && weight.is_finite()).then_some(BsdfSample {
+            wi,
+            weight,
+            pdf,
+            transmitted: false,
+        })
+    }
+
+    /// [`Bsdf::sample`] of any material.
+    pub(super) fn sample_layered(
+        &self,
+        n: Vec3,
+        wo: Vec3,
+        lobe: f32,
+        u: Vec2,
+    ) -> Option<BsdfSample> {
         let cos_o = n.dot(wo);
         if !(cos_o > 0.0) {
             return None;
@@ -111,6 +142,15 @@ impl Bsdf {
 
     /// The density in 1/sr with which [`Bsdf::sample`] chooses `wi`, without the directions of smooth mirrors and smooth glass.
     pub fn pdf(&self, n: Vec3, wo: Vec3, wi: Vec3) -> f32 {
+        let cos_o = n.dot(wo);
+        if Plain::is(self) && self.roughness > 0.0 && cos_o > 0.0 {
+            return Plain::new(self, cos_o).pdf(n, wo, wi);
+        }
+        self.pdf_layered(n, wo, wi)
+    }
+
+    /// [`Bsdf::pdf`] of any material.
+    pub(super) fn pdf_layered(&self, n: Vec3, wo: Vec3, wi: Vec3) -> f32 {
         let cos_i = n.dot(wi);
         let Some(lobes) = self.lobes(n.dot(wo)) else {
             return 0.0;

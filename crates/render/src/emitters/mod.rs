@@ -1,7 +1,10 @@
 //! All that shines in a scene, and how a point chooses a ray towards it.
 
+mod lanes;
 mod radiance;
 mod shape;
+
+pub(crate) use lanes::LightLanes;
 
 use crate::{AlphaMode, Geometry, Instance, LightBounds, LightTree, Scene};
 use shape::{

@@ -1,7 +1,8 @@
 //! Directions towards a disk.
 
 use super::{DirectionSample, by_area};
-use std::f32::consts::{FRAC_PI_4, PI};
+use crate::turn::cos_sin_turn;
+use std::f32::consts::PI;
 use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// A point of the unit disk, uniform, and near for near `u` in `[0, 1)²`.
@@ -21,10 +22,9 @@ pub fn sample_concentric(u: Vec2) -> Vec2 {
     } else {
         (square.y, square.x)
     };
-    if r == 0.0 {
-        return Vec2::ZERO;
-    }
-    let (sin, cos) = (FRAC_PI_4 * other / r).sin_cos();
+    // In the centre any angle will do.
+    let ratio = if r == 0.0 { 0.0 } else { other / r };
+    let (cos, sin) = cos_sin_turn(0.125 * ratio);
     r * if wide {
         Vec2::new(cos, sin)
     } else {

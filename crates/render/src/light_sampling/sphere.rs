@@ -1,6 +1,7 @@
 //! Directions towards a sphere.
 
 use super::DirectionSample;
+use crate::turn::cos_sin_turn;
 use std::f32::consts::TAU;
 use umbriel_kernels::glam::{Vec2, Vec3};
 
@@ -21,7 +22,7 @@ pub fn sample_sphere(p: Vec3, center: Vec3, radius: f32, u: Vec2) -> DirectionSa
     let h = u.x * height;
     let cos = 1.0 - h;
     let sin = (h * (2.0 - h)).max(0.0).sqrt();
-    let (sin_phi, cos_phi) = (TAU * u.y).sin_cos();
+    let (cos_phi, sin_phi) = cos_sin_turn(u.y);
     let axis = to_center.normalize_or(Vec3::Z);
     let (x, y) = axis.any_orthonormal_pair();
     let wi = (x * (sin * cos_phi) + y * (sin * sin_phi) + axis * cos).normalize();

@@ -1,0 +1,175 @@
+//! Path tracing: one ray goes on from each surface, at random, and one is sent to a light.
+//!
+//! Source: Kajiya, "The Rendering Equation", SIGGRAPH 1986; Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997,
+//! chapter 9 (multiple importance sampling).
+
+mod lanes;
+mod scatter;
+mod state;
+
+use crate::{
+    CameraFrame, PixelSampler, SceneBvh, Settings, ShadowRays, direct::Visibility,
+    emitters::Emitters, hit_groups::HitGroups, sample_light::SampleLight,
+    surface_lanes::SurfaceLanes,
+};
+use lanes::ScatterLanes;
+use state::{PIXEL_PAIR, PathState, Unshadowed};
+use umbriel_kernels::{
+    Hit, LANES, Ray, VectorUnit,
+    glam::{Vec2, Vec3},
+};
+
+/// Traces batches of paths; keeps its buffers between batches.
+#[derive(Debug)]
+pub(crate) struct PathTracer<'a> {
+    bvh: &'a SceneBvh<'a>,
+    settings: &'a Settings,
+    emitters: &'a Emitters,
+    unit: VectorUnit,
+    shadow: ShadowRays<'a>,
+    rays: Vec<Ray>,
+    states: Vec<PathState>,
+    next_rays: Vec<Ray>,
+    next_states: Vec<PathState>,
+    hits: Vec<Option<Hit>>,
+    groups: HitGroups,
+    surfaces: Box<SurfaceLanes>,
+    lanes: Box<ScatterLanes>,
+    shadow_rays: Vec<Ray>,
+    unshadowed: Vec<Unshadowed>,
+    fractions: Vec<Vec3>,
+    pub(crate) rays_traced: u64,
+    pub(crate) shadow_rays_traced: u64,
+    pub(crate) bad_samples: u64,
+}
+
+impl<'a> PathTracer<'a> {
+    pub(crate) fn new(
+        bvh: &'a SceneBvh<'a>,
+        settings: &'a Settings,
+        emitters: &'a Emitters,
+    ) -> Self {
+        Self {
+            bvh,
+            settings,
+            emitters,
+            unit: bvh.unit(),
+            shadow: ShadowRays::new(bvh, settings.glass_shadows),
+            rays: Vec::new(),
+            states: Vec::new(),
+            next_rays: Vec::new(),
+            next_states: Vec::new(),
+            hits: Vec::new(),
+            groups: HitGroups::default(),
+            surfaces: Box::default(),
+            lanes: Box::default(),
+            shadow_rays: Vec::new(),
+            unshadowed: Vec::new(),
+            fractions: Vec::new(),
+            rays_traced: 0,
+            shadow_rays_traced: 0,
+            bad_samples: 0,
+        }
+    }
+
+    /// The radiance of the samples `(x, y, number)`, of pixels with `count` samples each; `radiance` is as long.
+    pub(crate) fn trace(
+        &mut self,
+        frame: &CameraFrame,
+        samples: &[(u32, u32, u32)],
+        count: u32,
+        radiance: &mut [SampleLight],
+    ) {
+        radiance.fill(SampleLight::default());
+        self.rays.clear();
+        self.states.clear();
+        for (slot, &(x, y, sample)) in (0..).zip(samples) {
+            let sampler = PixelSampler::new(x, y, count, self.settings.seed);
+            let place = Vec2::new(x as f32, y as f32) + sampler.pair(sample, PIXEL_PAIR);
+            let ray = frame.ray(place);
+            self.rays.push(ray);
+            self.states.push(PathState {
+                weight: Vec3::ONE,
+                sampler,
+                sample,
+                slot,
+                depth: 0,
+                passes: 0,
+                medium: None,
+                pdf: f32::INFINITY,
+                from: ray.origin,
+                from_normal: None,
+            });
+        }
+        while !self.rays.is_empty() {
+            self.hits.clear();
+            self.hits.resize(self.rays.len(), None);
+            self.bvh.intersect(&self.rays, &mut self.hits);
+            self.rays_traced += self.rays.len() as u64;
+            self.see_sky(radiance);
+            self.scatter(radiance);
+            self.light(radiance);
+            std::mem::swap(&mut self.rays, &mut self.next_rays);
+            std::mem::swap(&mut self.states, &mut self.next_states);
+            self.next_rays.clear();
+            self.next_states.clear();
+        }
+        for sample in radiance {
+            if !sample.sum().is_finite() {
+                *sample = SampleLight::default();
+                self.bad_samples += 1;
+            }
+        }
+    }
+
+    fn see_sky(&self, radiance: &mut [SampleLight]) {
+        let environment = &self.bvh.scene().environment;
+        for ((ray, state), hit) in self.rays.iter().zip(&self.states).zip(&self.hits) {
+            if hit.is_none() {
+                let sky = state.weight * environment.radiance(ray.dir);
+                radiance[state.slot as usize].add(state.depth, sky);
+            }
+        }
+    }
+
+    /// Evaluates each surface, adds what it emits, and sends a ray to a light and one that goes on.
+    fn scatter(&mut self, radiance: &mut [SampleLight]) {
+        self.groups
+            .sort(&self.hits, self.bvh.scene().instances.len());
+        let groups = std::mem::take(&mut self.groups);
+        for (instance, members) in groups.iter() {
+            for members in members.chunks(LANES) {
+                let rays = &self.rays;
+                let surfaces = &mut *self.surfaces;
+                let hits = members.iter().map(|(i, hit)| (rays[*i as usize], *hit));
+                self.unit.run(
+                    #[inline(always)]
+                    || surfaces.fill(self.bvh, instance, hits),
+                );
+                if self.surfaces.scatter_plainly() {
+                    self.scatter_lanes(members, radiance);
+                    continue;
+                }
+                for (lane, &(i, hit)) in members.iter().enumerate() {
+                    self.scatter_one(i as usize, lane, &hit, radiance);
+                }
+            }
+        }
+        self.groups = groups;
+    }
+
+    fn light(&mut self, radiance: &mut [SampleLight]) {
+        self.fractions.clear();
+        self.fractions.resize(self.shadow_rays.len(), Vec3::ONE);
+        if self.settings.shadows {
+            let rays = &self.shadow_rays;
+            self.shadow.transmittance(rays, &[], &mut self.fractions);
+            self.shadow_rays_traced += rays.len() as u64;
+        }
+        for (light, fraction) in self.unshadowed.iter().zip(&self.fractions) {
+            radiance[light.slot as usize].add(light.surfaces, light.radiance * *fraction);
+        }
+        self.shadow_rays.clear();
+        self.unshadowed.clear();
+    }
+}

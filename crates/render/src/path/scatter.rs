@@ -1,0 +1,190 @@
+//! What one surface does to a path, whatever its material.
+
+use super::{
+    PathTracer,
+    state::{
+        DIRECTION_PAIR, LIGHT_PAIR, LOBE_PAIR, PLACE_PAIR, PathState, SURE_SURFACES, Unshadowed,
+    },
+};
+use crate::{SurfaceInteraction, sample_light::SampleLight};
+use umbriel_kernels::{Hit, Interval, Ray, glam::Vec3, offset_origin};
+
+impl PathTracer<'_> {
+    pub(super) fn scatter_one(
+        &mut self,
+        i: usize,
+        lane: usize,
+        hit: &Hit,
+        radiance: &mut [SampleLight],
+    ) {
+        let surface = self.surfaces.get(lane);
+        let mut state = self.states[i];
+        state.weight *= self.absorption(&state, hit.t);
+        let choices = state.pair(LOBE_PAIR);
+        if choices.y >= surface.bsdf.alpha {
+            self.pass(i, &surface, state);
+            return;
+        }
+        if surface.bsdf.unlit {
+            radiance[state.slot as usize].add(state.depth, state.weight * surface.bsdf.base_color);
+            return;
+        }
+        if surface.bsdf.emission != Vec3::ZERO {
+            let share = self.emission_share(&state, hit, surface.p);
+            let emitted = state.weight * surface.bsdf.emission * share;
+            radiance[state.slot as usize].add(state.depth, emitted);
+        }
+        if u32::from(state.depth) >= self.settings.depth {
+            return;
+        }
+        self.aim(&state, &surface);
+        self.go_on(&state, &surface, choices.x, lane, hit.instance);
+    }
+
+    /// What the medium leaves of the light along `t` metres of the path.
+    #[inline(always)]
+    pub(super) fn absorption(&self, state: &PathState, t: f32) -> Vec3 {
+        let materials = &self.bvh.scene().materials;
+        state
+            .medium
+            .map_or(Vec3::ONE, |medium| materials[medium.index()].absorption(t))
+    }
+
+    /// The path goes straight on behind a surface of partial alpha.
+    fn pass(&mut self, i: usize, surface: &SurfaceInteraction, state: PathState) {
+        if state.passes >= 256 {
+            return;
+        }
+        let dir = self.rays[i].dir;
+        let origin = offset_origin(surface.p, surface.error, surface.ng, dir);
+        self.next_rays.push(Ray::new(origin, dir));
+        self.next_states.push(PathState {
+            passes: state.passes + 1,
+            ..state
+        });
+    }
+
+    /// The share of a glowing surface's light that the path brings, where the rest comes from rays aimed at it.
+    ///
+    /// Source: Veach & Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995 (balance heuristic).
+    pub(super) fn emission_share(&self, state: &PathState, hit: &Hit, p: Vec3) -> f32 {
+        if state.pdf == f32::INFINITY {
+            return 1.0;
+        }
+        let to_light = p - state.from;
+        let normal = state.from_normal;
+        let aimed = self
+            .emitters
+            .pdf(hit.instance, hit.primitive, state.from, normal, to_light);
+        state.pdf / (state.pdf + aimed)
+    }
+
+    /// Takes down what a light gives, chosen at random, and the ray that asks for it.
+    fn aim(&mut self, state: &PathState, surface: &SurfaceInteraction) {
+        let bsdf = &surface.bsdf;
+        if self.emitters.is_empty() || bsdf.is_smooth() {
+            return;
+        }
+        let normal = facing(surface);
+        let choice = state.pair(LIGHT_PAIR).x;
+        let scene = self.bvh.scene();
+        let found = self
+            .emitters
+            .sample(scene, surface.p, normal, choice, state.pair(PLACE_PAIR));
+        let Some(light) = found else {
+            return;
+        };
+        let above = light.wi.dot(surface.ng) > 0.0;
+        if above != (light.wi.dot(surface.ns) > 0.0) {
+            return;
+        }
+        let f = bsdf.eval_through(surface.ns, surface.wo, light.wi);
+        let share = if light.pdf == f32::INFINITY {
+            1.0
+        } else {
+            light.pdf / (light.pdf + bsdf.pdf(surface.ns, surface.wo, light.wi))
+        };
+        let radiance = state.weight * f * light.radiance * share;
+        if radiance.max_element() > 0.0 {
+            self.shadow_rays
+                .push(shadow_ray(surface, light.to_light, light.t_max));
+            self.unshadowed.push(Unshadowed {
+                slot: state.slot,
+                surfaces: state.depth + 1,
+                radiance,
+            });
+        }
+    }
+
+    /// Sends the ray that goes on.
+    fn go_on(
+        &mut self,
+        state: &PathState,
+        surface: &SurfaceInteraction,
+        lobe: f32,
+        lane: usize,
+        instance: u32,
+    ) {
+        let sampled = surface
+            .bsdf
+            .sample(surface.ns, surface.wo, lobe, state.pair(DIRECTION_PAIR));
+        let Some(sampled) = sampled else {
+            return;
+        };
+        if sampled.transmitted == (sampled.wi.dot(surface.ng) > 0.0) {
+            return;
+        }
+        let mut weight = state.weight * sampled.weight;
+        if state.depth >= SURE_SURFACES {
+            let survival = weight.max_element().min(1.0);
+            if state.pair(LIGHT_PAIR).y >= survival {
+                return;
+            }
+            weight /= survival;
+        }
+        if !(weight.max_element() > 0.0) {
+            return;
+        }
+        let medium = if sampled.transmitted {
+            let material = self.bvh.scene().instances[instance as usize].material;
+            self.surfaces.medium_behind(lane, material, state.medium)
+        } else {
+            state.medium
+        };
+        let origin = offset_origin(surface.p, surface.error, surface.ng, sampled.wi);
+        self.next_rays.push(Ray::new(origin, sampled.wi));
+        self.next_states.push(PathState {
+            weight,
+            depth: state.depth + 1,
+            medium,
+            pdf: sampled.pdf,
+            from: surface.p,
+            from_normal: facing(surface),
+            ..*state
+        });
+    }
+}
+
+/// The normal of the side that takes light; `None` where both do.
+#[inline(always)]
+fn facing(surface: &SurfaceInteraction) -> Option<Vec3> {
+    (surface.bsdf.transmission == 0.0).then_some(surface.ns)
+}
+
+#[inline(always)]
+pub(super) fn shadow_ray(surface: &SurfaceInteraction, to_light: Vec3, t_max: f32) -> Ray {
+    let origin = offset_origin(surface.shadow_p, surface.error, surface.ng, to_light);
+    let dir = if t_max <= 1.0 {
+        surface.p + to_light - origin
+    } else {
+        to_light
+    };
+    Ray {
+        origin,
+        dir,
+        t: Interval {
+            min: 0.0,
+            max: t_max,
+        },
+    }
+}

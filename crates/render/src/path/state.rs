@@ -1,0 +1,64 @@
+//! What a path carries from surface to surface.
+
+use crate::{MaterialId, PixelSampler};
+use umbriel_kernels::glam::{Vec2, Vec3};
+
+/// Pairs of dimensions of a sample: that of the place in the pixel, that of the lens, and four a surface.
+pub(super) const PIXEL_PAIR: u32 = 0;
+pub(super) const FIRST_SURFACE_PAIR: u32 = 2;
+const PAIRS_A_SURFACE: u32 = 4;
+/// What the pairs of a surface choose: its lobe, and whether it is passed; the direction in the lobe; the light, and whether the path ends;
+/// the place on the light.
+pub(super) const LOBE_PAIR: u32 = 0;
+pub(super) const DIRECTION_PAIR: u32 = 1;
+pub(super) const LIGHT_PAIR: u32 = 2;
+pub(super) const PLACE_PAIR: u32 = 3;
+/// Surfaces after which paths of little weight may end.
+pub(super) const SURE_SURFACES: u16 = 3;
+
+/// What a path carries beside its ray.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PathState {
+    /// By how much the radiance along the ray is multiplied in its sample.
+    pub(super) weight: Vec3,
+    pub(super) sampler: PixelSampler,
+    /// Number of the sample in its pixel.
+    pub(super) sample: u32,
+    /// Where its radiance is summed.
+    pub(super) slot: u32,
+    /// Surfaces that scattered before.
+    pub(super) depth: u16,
+    /// Surfaces of partial alpha that it passed.
+    pub(super) passes: u16,
+    /// What it travels in; `None` is air.
+    pub(super) medium: Option<MaterialId>,
+    /// The density with which its direction was chosen; infinite where no light could be aimed at in its place.
+    pub(super) pdf: f32,
+    /// Where it comes from, and the normal there.
+    pub(super) from: Vec3,
+    pub(super) from_normal: Option<Vec3>,
+}
+
+impl PathState {
+    /// Two random numbers for the surface that the path meets now.
+    #[inline(always)]
+    pub(super) fn pair(&self, number: u32) -> Vec2 {
+        self.sampler.pair(self.sample, self.first_pair() + number)
+    }
+
+    /// The first of the pairs of dimensions of the surface that the path meets now.
+    #[inline(always)]
+    pub(super) fn first_pair(&self) -> u32 {
+        let surface = u32::from(self.depth) + u32::from(self.passes);
+        FIRST_SURFACE_PAIR + PAIRS_A_SURFACE * surface
+    }
+}
+
+/// Light on its way, should nothing stand between.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unshadowed {
+    pub(super) slot: u32,
+    /// By which it will have been scattered.
+    pub(super) surfaces: u16,
+    pub(super) radiance: Vec3,
+}
