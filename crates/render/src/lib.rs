@@ -45,6 +45,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod adaptive;
+mod angle;
 mod aov;
 mod bsdf;
 mod camera;
@@ -91,7 +92,6 @@ mod surface_lanes;
 mod texture;
 mod trace;
 mod truth;
-mod turn;
 mod unshadowed;
 mod validate;
 mod validate_parts;

@@ -97,6 +97,16 @@ impl Light {
         }
     }
 
+    /// Whether it gives no light at all.
+    pub(crate) fn is_dark(&self) -> bool {
+        let most = match self {
+            Self::Point(light) => light.intensity,
+            Self::Spot(light) => light.intensity,
+            Self::Directional(light) => light.illuminance,
+        };
+        !(most.max_element() > 0.0)
+    }
+
     /// The light that arrives at the world point `p`; `None` where there is none.
     #[inline]
     pub fn sample(&self, p: Vec3) -> Option<LightSample> {

@@ -1,6 +1,6 @@
 //! The rough specular lobe: microfacets with the GGX distribution.
 
-use crate::turn::cos_sin_turn;
+use crate::angle::cos_sin_turn;
 use std::f32::consts::PI;
 use umbriel_kernels::glam::{Vec2, Vec3};
 

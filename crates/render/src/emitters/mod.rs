@@ -45,6 +45,21 @@ struct Placed {
     primitive: u32,
 }
 
+/// A light that was chosen.
+#[derive(Clone, Copy, Debug)]
+struct Chosen {
+    light: Choice,
+    probability: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Choice {
+    /// A light without a place, by its position in [`Scene::lights`].
+    Parallel(u32),
+    /// By its position in [`Emitters::placed`].
+    Placed(u32),
+}
+
 /// The lights of a scene and its glowing surfaces.
 #[derive(Debug, Default)]
 pub(crate) struct Emitters {
@@ -63,6 +78,9 @@ impl Emitters {
         let mut emitters = Self::default();
         let mut bounds = Vec::new();
         for (number, light) in (0..).zip(&scene.lights) {
+            if light.is_dark() {
+                continue;
+            }
             match light_bounds(light) {
                 Some(own) => {
                     bounds.push(own);
@@ -163,16 +181,37 @@ impl Emitters {
         choice: f32,
         u: Vec2,
     ) -> Option<LightRay> {
+        self.aim(scene, p, self.choose(p, n, choice)?, u)
+    }
+
+    /// Chooses the light.
+    fn choose(&self, p: Vec3, n: Option<Vec3>, choice: f32) -> Option<Chosen> {
         let share = self.parallel_share();
         if choice < share {
             let count = self.parallel.len();
             let number = self.parallel[((choice / share * count as f32) as usize).min(count - 1)];
-            return light_ray(&scene.lights[number as usize], p, share / count as f32);
+            return Some(Chosen {
+                light: Choice::Parallel(number),
+                probability: share / count as f32,
+            });
         }
         let choice = ((choice - share) / (1.0 - share)).clamp(0.0, 1.0 - f32::EPSILON);
-        let (chosen, probability) = self.tree.sample(p, n, choice)?;
-        let placed = &self.placed[chosen as usize];
-        let probability = probability * (1.0 - share);
+        let (number, probability) = self.tree.sample(p, n, choice)?;
+        Some(Chosen {
+            light: Choice::Placed(number),
+            probability: probability * (1.0 - share),
+        })
+    }
+
+    /// Chooses a ray towards the chosen light.
+    fn aim(&self, scene: &Scene, p: Vec3, chosen: Chosen, u: Vec2) -> Option<LightRay> {
+        let probability = chosen.probability;
+        let placed = match chosen.light {
+            Choice::Parallel(number) => {
+                return light_ray(&scene.lights[number as usize], p, probability);
+            }
+            Choice::Placed(number) => &self.placed[number as usize],
+        };
         if let Emitter::Light(number) = placed.emitter {
             return light_ray(&scene.lights[number as usize], p, probability);
         }

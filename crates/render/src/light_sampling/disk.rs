@@ -1,7 +1,7 @@
 //! Directions towards a disk.
 
 use super::{DirectionSample, by_area};
-use crate::turn::cos_sin_turn;
+use crate::angle::cos_sin_turn;
 use std::f32::consts::PI;
 use umbriel_kernels::glam::{Vec2, Vec3};
 

@@ -1,6 +1,7 @@
 //! Directions towards a rectangle.
 
 use super::{DirectionSample, LEAST_SOLID_ANGLE, by_area};
+use crate::angle::{acos, cos_sin_turn};
 use std::f32::consts::TAU;
 use umbriel_kernels::glam::{Vec2, Vec3};
 
@@ -43,9 +44,8 @@ impl SphericalRectangle {
         let b1 = y1 / (z0 * z0 + y1 * y1).sqrt();
         let c0 = x1 / (z0 * z0 + x1 * x1).sqrt();
         let c1 = -x0 / (z0 * z0 + x0 * x0).sqrt();
-        let angle = |cos: f32| (-cos).clamp(-1.0, 1.0).acos();
-        let (g0, g1) = (angle(b0 * c0), angle(c0 * b1));
-        let (g2, g3) = (angle(b1 * c1), angle(c1 * b0));
+        let (g0, g1) = (acos(-b0 * c0), acos(-c0 * b1));
+        let (g2, g3) = (acos(-b1 * c1), acos(-c1 * b0));
         let k = TAU - g2 - g3;
         Self {
             x,
@@ -66,7 +66,7 @@ impl SphericalRectangle {
     /// The vector from the eye to a point of the rectangle, uniform by solid angle.
     #[inline(always)]
     fn sample(&self, u: Vec2) -> Vec3 {
-        let (sin_au, cos_au) = (u.x * self.solid_angle + self.k).sin_cos();
+        let (cos_au, sin_au) = cos_sin_turn((u.x * self.solid_angle + self.k) / TAU);
         let fu = (cos_au * self.b0 - self.b1) / sin_au;
         let cu = (fu.signum() / (fu * fu + self.b0 * self.b0).sqrt()).clamp(-1.0, 1.0);
         let xu = -(cu * self.z0) / (1.0 - cu * cu).max(1e-12).sqrt();

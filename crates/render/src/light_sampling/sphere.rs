@@ -1,7 +1,7 @@
 //! Directions towards a sphere.
 
 use super::DirectionSample;
-use crate::turn::cos_sin_turn;
+use crate::angle::cos_sin_turn;
 use std::f32::consts::TAU;
 use umbriel_kernels::glam::{Vec2, Vec3};
 

@@ -1,7 +1,8 @@
 //! Directions towards a triangle.
 
 use super::{DirectionSample, LEAST_SOLID_ANGLE, by_area};
-use std::f32::consts::PI;
+use crate::angle::{acos, cos_sin_turn};
+use std::f32::consts::{PI, TAU};
 use umbriel_kernels::{
     Triangle,
     glam::{Vec2, Vec3},
@@ -28,16 +29,15 @@ impl SphericalTriangle {
         let ab = a.cross(b).try_normalize()?;
         let bc = b.cross(c).try_normalize()?;
         let ca = c.cross(a).try_normalize()?;
-        let alpha = ab.angle_between(-ca);
-        let beta = bc.angle_between(-ab);
-        let gamma = ca.angle_between(-bc);
+        let cos_alpha = -ab.dot(ca);
+        let (alpha, beta, gamma) = (acos(cos_alpha), acos(-bc.dot(ab)), acos(-ca.dot(bc)));
         Some(Self {
             a,
             b,
             c,
             alpha,
-            cos_alpha: alpha.cos(),
-            sin_alpha: alpha.sin(),
+            cos_alpha,
+            sin_alpha: (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt(),
             solid_angle: alpha + beta + gamma - PI,
         })
     }
@@ -54,7 +54,7 @@ impl SphericalTriangle {
     #[inline(always)]
     fn sample(&self, random: Vec2) -> Vec3 {
         let phi = random.x * self.solid_angle - self.alpha;
-        let (s, t) = phi.sin_cos();
+        let (t, s) = cos_sin_turn(phi / TAU);
         let u = t - self.cos_alpha;
         let v = s + self.sin_alpha * self.a.dot(self.b);
         let below = (v * s + u * t) * self.sin_alpha;

@@ -39,9 +39,6 @@ impl LightTree {
         let mut node = self.nodes.first()?;
         let mut number = 0;
         let mut probability = 1.0;
-        if !(node.bounds.importance(p, n) > 0.0) {
-            return None;
-        }
         loop {
             let second = match node.kind {
                 Kind::Leaf { light } => return Some((light, probability)),
@@ -68,9 +65,6 @@ impl LightTree {
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: u32) -> f32 {
         let mut number = self.leaves[light as usize];
         let mut probability = 1.0;
-        if !(self.nodes[0].bounds.importance(p, n) > 0.0) {
-            return 0.0;
-        }
         while self.nodes[number as usize].parent != number {
             let parent = self.nodes[number as usize].parent;
             let Kind::Inner { second } = self.nodes[parent as usize].kind else {

@@ -130,13 +130,13 @@ impl Numbers {
                 first: self.first[i],
                 key: self.key[i],
             };
-            let pair = |number| sampler.pair(self.sample[i], self.first_pair[i] + number);
-            self.lobe[i] = pair(LOBE_PAIR).x;
-            let direction = pair(DIRECTION_PAIR);
+            let (sample, first) = (self.sample[i], self.first_pair[i]);
+            self.lobe[i] = sampler.pair(sample, first + LOBE_PAIR).x;
+            let direction = sampler.pair(sample, first + DIRECTION_PAIR);
             (self.direction[0][i], self.direction[1][i]) = (direction.x, direction.y);
-            let light = pair(LIGHT_PAIR);
+            let light = sampler.pair(sample, first + LIGHT_PAIR);
             (self.choice[i], self.survival[i]) = (light.x, light.y);
-            let place = pair(PLACE_PAIR);
+            let place = sampler.pair(sample, first + PLACE_PAIR);
             (self.place[0][i], self.place[1][i]) = (place.x, place.y);
         }
     }
@@ -247,21 +247,21 @@ impl PathTracer<'_> {
         if self.surfaces.are_black() {
             return;
         }
-        let mut lanes = std::mem::take(&mut self.lanes);
-        let (unit, surfaces, depth) = (self.unit, &*self.surfaces, self.settings.depth);
+        let (scene, depth) = (self.bvh.scene(), self.settings.depth);
+        let (lanes, surfaces, states) = (&mut *self.lanes, &*self.surfaces, &self.states);
         let states = members.iter().map(|(i, hit)| {
-            let state = &self.states[*i as usize];
-            (state, state.weight * self.absorption(state, hit.t))
+            let state = &states[*i as usize];
+            (state, state.weight * state.absorption(scene, hit.t))
         });
         let is_matte = surfaces.are_matte();
-        unit.run(
+        self.unit.run(
             #[inline(always)]
             || {
                 lanes.load(states, depth);
                 lanes.numbers.draw(surfaces.len);
                 lanes.plain.fill(surfaces);
                 self.emitters.sample_lanes(
-                    self.bvh.scene(),
+                    scene,
                     surfaces,
                     &lanes.numbers.choice,
                     &lanes.numbers.place,
@@ -276,8 +276,7 @@ impl PathTracer<'_> {
                 }
             },
         );
-        self.push_lanes(&lanes, members);
-        self.lanes = lanes;
+        self.push_lanes(members);
     }
 
     /// What glowing surfaces send.
@@ -290,7 +289,7 @@ impl PathTracer<'_> {
             let surface = self.surfaces.get_base(lane);
             if surface.bsdf.emission != Vec3::ZERO {
                 let share = self.emission_share(state, hit, surface.p);
-                let weight = state.weight * self.absorption(state, hit.t);
+                let weight = state.weight * state.absorption(self.bvh.scene(), hit.t);
                 let emitted = weight * surface.bsdf.emission * share;
                 radiance[state.slot as usize].add(state.depth, emitted);
             }
@@ -298,7 +297,8 @@ impl PathTracer<'_> {
     }
 
     /// Sends the shadow rays and the rays that go on.
-    fn push_lanes(&mut self, lanes: &ScatterLanes, members: &[NumberedHit]) {
+    fn push_lanes(&mut self, members: &[NumberedHit]) {
+        let lanes = &*self.lanes;
         for (lane, (i, _)) in members.iter().enumerate().take(LANES) {
             let state = &self.states[*i as usize];
             let radiance = lanes.arriving.radiance.get(lane);

@@ -19,7 +19,7 @@ impl PathTracer<'_> {
     ) {
         let surface = self.surfaces.get(lane);
         let mut state = self.states[i];
-        state.weight *= self.absorption(&state, hit.t);
+        state.weight *= state.absorption(self.bvh.scene(), hit.t);
         let choices = state.pair(LOBE_PAIR);
         if choices.y >= surface.bsdf.alpha {
             self.pass(i, &surface, state);
@@ -39,15 +39,6 @@ impl PathTracer<'_> {
         }
         self.aim(&state, &surface);
         self.go_on(&state, &surface, choices.x, lane, hit.instance);
-    }
-
-    /// What the medium leaves of the light along `t` metres of the path.
-    #[inline(always)]
-    pub(super) fn absorption(&self, state: &PathState, t: f32) -> Vec3 {
-        let materials = &self.bvh.scene().materials;
-        state
-            .medium
-            .map_or(Vec3::ONE, |medium| materials[medium.index()].absorption(t))
     }
 
     /// The path goes straight on behind a surface of partial alpha.

@@ -1,6 +1,6 @@
 //! What a path carries from surface to surface.
 
-use crate::{MaterialId, PixelSampler};
+use crate::{MaterialId, PixelSampler, Scene};
 use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// Pairs of dimensions of a sample: that of the place in the pixel, that of the lens, and four a surface.
@@ -44,6 +44,14 @@ impl PathState {
     #[inline(always)]
     pub(super) fn pair(&self, number: u32) -> Vec2 {
         self.sampler.pair(self.sample, self.first_pair() + number)
+    }
+
+    /// What the medium leaves of the light along `t` metres of the path.
+    #[inline(always)]
+    pub(super) fn absorption(&self, scene: &Scene, t: f32) -> Vec3 {
+        self.medium.map_or(Vec3::ONE, |medium| {
+            scene.materials[medium.index()].absorption(t)
+        })
     }
 
     /// The first of the pairs of dimensions of the surface that the path meets now.
