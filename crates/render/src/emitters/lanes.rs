@@ -73,7 +73,7 @@ impl FlatLanes {
 
     /// Directions by the sampling function of the shape; a density of 0 where there is none.
     #[inline(always)]
-    fn sample(&mut self, sample: impl Fn(Vec3, [Vec3; 3], Vec2) -> Option<DirectionSample>) {
+    fn sample(&mut self, sample: impl Fn(Vec3, [Vec3; 3], Vec2) -> DirectionSample) {
         for k in 0..whole_vectors(self.len) {
             let shape = [
                 self.shape[0].get(k),
@@ -82,11 +82,9 @@ impl FlatLanes {
             ];
             let u = Vec2::new(self.random[0][k], self.random[1][k]);
             let found = sample(self.p.get(k), shape, u);
-            let (wi, distance, pdf) =
-                found.map_or((Vec3::Z, 1.0, 0.0), |s| (s.wi, s.distance, s.pdf));
-            self.wi.set(k, wi);
-            self.distance[k] = distance;
-            self.pdf[k] = pdf * self.probability[k];
+            self.wi.set(k, found.wi);
+            self.distance[k] = found.distance;
+            self.pdf[k] = found.pdf * self.probability[k];
         }
     }
 }

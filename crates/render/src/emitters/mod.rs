@@ -215,8 +215,11 @@ impl Emitters {
         if let Emitter::Light(number) = placed.emitter {
             return light_ray(&scene.lights[number as usize], p, probability);
         }
-        let found = placed.emitter.sample(p, u)?;
+        let found = placed.emitter.sample(p, u);
         let pdf = found.pdf * probability;
+        if !(pdf > 0.0) {
+            return None;
+        }
         let radiance = placed.radiance(scene, p + found.wi * found.distance, -found.wi);
         Some(LightRay {
             wi: found.wi,

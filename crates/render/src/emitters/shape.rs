@@ -37,10 +37,11 @@ pub(super) enum Emitter {
 }
 
 impl Emitter {
-    pub(super) fn sample(&self, p: Vec3, u: Vec2) -> Option<DirectionSample> {
+    pub(super) fn sample(&self, p: Vec3, u: Vec2) -> DirectionSample {
         match self {
-            Self::Light(_) => None,
-            Self::Sphere { center, radius } => Some(sample_sphere(p, *center, *radius, u)),
+            // It is a single direction, which has no density.
+            Self::Light(_) => DirectionSample::NONE,
+            Self::Sphere { center, radius } => sample_sphere(p, *center, *radius, u),
             Self::Rectangle { center, u: a, v: b } => sample_rectangle(p, *center, *a, *b, u),
             Self::Disk {
                 center,

@@ -34,16 +34,10 @@ pub fn sample_concentric(u: Vec2) -> Vec2 {
 
 /// A direction from `p` towards the disk with the unit normal `normal`, uniform by area; `u` in `[0, 1)²`.
 ///
-/// The solid angle of a disk seen aslant needs elliptic integrals, so there is no closed form by solid angle. `None` where the disk
-/// is seen edge-on. `radius` is greater than 0.
+/// The solid angle of a disk seen aslant needs elliptic integrals, so there is no closed form by solid angle. The density is 0 where the
+/// disk is seen edge-on. `radius` is greater than 0.
 #[inline(always)]
-pub fn sample_disk(
-    p: Vec3,
-    center: Vec3,
-    normal: Vec3,
-    radius: f32,
-    u: Vec2,
-) -> Option<DirectionSample> {
+pub fn sample_disk(p: Vec3, center: Vec3, normal: Vec3, radius: f32, u: Vec2) -> DirectionSample {
     let (x, y) = normal.any_orthonormal_pair();
     let at = radius * sample_concentric(u);
     let to_light = center + x * at.x + y * at.y - p;
@@ -53,7 +47,7 @@ pub fn sample_disk(
 /// The density in 1/sr with which [`sample_disk`] chooses the direction of `to_light`, from the lit point to a point of the disk; 0 edge-on.
 #[inline(always)]
 pub fn pdf_disk(to_light: Vec3, normal: Vec3, radius: f32) -> f32 {
-    by_area(to_light, normal, PI * radius * radius).map_or(0.0, |sample| sample.pdf)
+    by_area(to_light, normal, PI * radius * radius).pdf
 }
 
 #[cfg(test)]

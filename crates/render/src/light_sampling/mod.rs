@@ -19,8 +19,27 @@ pub struct DirectionSample {
     pub wi: Vec3,
     /// Distance of the light in that direction, in metres.
     pub distance: f32,
-    /// Probability density of the direction, in 1/sr; greater than 0.
+    /// Probability density of the direction, in 1/sr; 0 where no direction leads to the light.
     pub pdf: f32,
+}
+
+impl DirectionSample {
+    /// No direction.
+    pub(crate) const NONE: Self = Self {
+        wi: Vec3::Z,
+        distance: 1.0,
+        pdf: 0.0,
+    };
+
+    /// `a` where `first` says so, and otherwise `b`: without a branch, for loops over lanes.
+    #[inline(always)]
+    fn select(first: bool, a: Self, b: Self) -> Self {
+        Self {
+            wi: if first { a.wi } else { b.wi },
+            distance: if first { a.distance } else { b.distance },
+            pdf: if first { a.pdf } else { b.pdf },
+        }
+    }
 }
 
 /// Shapes that fill less of the sphere of directions than this, in steradian, are sampled by area: the formulas by solid angle lose their
@@ -32,14 +51,22 @@ const LEAST_SOLID_ANGLE: f32 = 1e-3;
 /// ```text
 /// p(ω) = d² / (A |cos θ|)
 /// ```
-/// `None` for a shape seen edge-on, and for a point in it.
+/// 0 for a shape seen edge-on, and for a point in it.
 ///
 /// Source: Shirley, Wang & Zimmerman, "Monte Carlo Techniques for Direct Lighting Calculations", ACM Transactions on Graphics 15(1), 1996.
 #[inline(always)]
-fn by_area(to_light: Vec3, normal: Vec3, area: f32) -> Option<DirectionSample> {
+fn by_area(to_light: Vec3, normal: Vec3, area: f32) -> DirectionSample {
     let d2 = to_light.length_squared();
     let distance = d2.sqrt();
     let wi = to_light / distance;
     let pdf = d2 / (area * wi.dot(normal).abs());
-    (pdf > 0.0 && pdf.is_finite()).then_some(DirectionSample { wi, distance, pdf })
+    DirectionSample {
+        wi,
+        distance,
+        pdf: if pdf > 0.0 && pdf < f32::INFINITY {
+            pdf
+        } else {
+            0.0
+        },
+    }
 }

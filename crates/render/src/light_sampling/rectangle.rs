@@ -70,41 +70,35 @@ impl SphericalRectangle {
         let fu = (cos_au * self.b0 - self.b1) / sin_au;
         let cu = (fu.signum() / (fu * fu + self.b0 * self.b0).sqrt()).clamp(-1.0, 1.0);
         let xu = -(cu * self.z0) / (1.0 - cu * cu).max(1e-12).sqrt();
-        let xu = xu.clamp(self.x0, self.x1);
+        // Not `clamp`, which panics for what is no number: lanes that are not in use may hold anything.
+        let xu = xu.max(self.x0).min(self.x1);
         let d2 = xu * xu + self.z0 * self.z0;
         let h0 = self.y0 / (d2 + self.y0 * self.y0).sqrt();
         let h1 = self.y1 / (d2 + self.y1 * self.y1).sqrt();
         let hv = h0 + u.y * (h1 - h0);
         let yv = hv * (d2 / (1.0 - hv * hv).max(1e-12)).sqrt();
-        let yv = yv.clamp(self.y0, self.y1);
+        let yv = yv.max(self.y0).min(self.y1);
         self.x * xu + self.y * yv + self.z * self.z0
     }
 }
 
 /// A direction from `p` towards the rectangle of the corners `center ± u ± v`, uniform by solid angle; `random` in `[0, 1)²`.
 ///
-/// `u` and `v` are at a right angle and longer than 0. Very small solid angles are sampled by area. `None` where the rectangle is seen
-/// edge-on.
+/// `u` and `v` are at a right angle and longer than 0. Very small solid angles are sampled by area. The density is 0 where the
+/// rectangle is seen edge-on.
 #[inline(always)]
-pub fn sample_rectangle(
-    p: Vec3,
-    center: Vec3,
-    u: Vec3,
-    v: Vec3,
-    random: Vec2,
-) -> Option<DirectionSample> {
+pub fn sample_rectangle(p: Vec3, center: Vec3, u: Vec3, v: Vec3, random: Vec2) -> DirectionSample {
     let seen = SphericalRectangle::new(p, center, u, v);
-    if !(seen.solid_angle > LEAST_SOLID_ANGLE) {
-        let to_light = center + u * (2.0 * random.x - 1.0) + v * (2.0 * random.y - 1.0) - p;
-        return by_area(to_light, seen.z, 4.0 * u.length() * v.length());
-    }
+    let to_point = center + u * (2.0 * random.x - 1.0) + v * (2.0 * random.y - 1.0) - p;
+    let small = by_area(to_point, seen.z, 4.0 * u.length() * v.length());
     let to_light = seen.sample(random);
     let distance = to_light.length();
-    Some(DirectionSample {
+    let large = DirectionSample {
         wi: to_light / distance,
         distance,
         pdf: 1.0 / seen.solid_angle,
-    })
+    };
+    DirectionSample::select(seen.solid_angle > LEAST_SOLID_ANGLE, large, small)
 }
 
 /// The density in 1/sr with which [`sample_rectangle`] chooses the direction of `to_light`, from `p` to a point of the rectangle; 0 edge-on.
@@ -114,7 +108,7 @@ pub fn pdf_rectangle(p: Vec3, center: Vec3, u: Vec3, v: Vec3, to_light: Vec3) ->
     if seen.solid_angle > LEAST_SOLID_ANGLE {
         return 1.0 / seen.solid_angle;
     }
-    by_area(to_light, seen.z, 4.0 * u.length() * v.length()).map_or(0.0, |sample| sample.pdf)
+    by_area(to_light, seen.z, 4.0 * u.length() * v.length()).pdf
 }
 
 #[cfg(test)]
@@ -148,7 +142,7 @@ mod tests {
         ] {
             for i in 0..1000 {
                 let random = Vec2::new(i as f32 / 1000.0, (i * 37 % 1000) as f32 / 1000.0);
-                let sample = sample_rectangle(p, center, u, v, random).expect("not edge-on");
+                let sample = sample_rectangle(p, center, u, v, random);
                 let at = p + sample.wi * sample.distance - center;
                 let scale = 1e-5 * (1.0 + sample.distance);
                 assert!(at.y.abs() < scale, "{p} {random}: {at}");

@@ -20,26 +20,31 @@ struct SphericalTriangle {
 }
 
 impl SphericalTriangle {
-    /// `None` where a corner is at `p`, or two corners are seen in one direction or in opposite ones.
+    /// Its solid angle is 0 where a corner is at `p`, or two corners are seen in one direction or in opposite ones.
     #[inline(always)]
-    fn new(p: Vec3, triangle: &Triangle) -> Option<Self> {
-        let [a, b, c] =
-            [triangle.a, triangle.b, triangle.c].map(|corner| (corner - p).try_normalize());
-        let (a, b, c) = (a?, b?, c?);
-        let ab = a.cross(b).try_normalize()?;
-        let bc = b.cross(c).try_normalize()?;
-        let ca = c.cross(a).try_normalize()?;
+    fn new(p: Vec3, triangle: &Triangle) -> Self {
+        let a = (triangle.a - p).normalize_or_zero();
+        let b = (triangle.b - p).normalize_or_zero();
+        let c = (triangle.c - p).normalize_or_zero();
+        let ab = a.cross(b).normalize_or_zero();
+        let bc = b.cross(c).normalize_or_zero();
+        let ca = c.cross(a).normalize_or_zero();
         let cos_alpha = -ab.dot(ca);
         let (alpha, beta, gamma) = (acos(cos_alpha), acos(-bc.dot(ab)), acos(-ca.dot(bc)));
-        Some(Self {
+        let is_seen = ab != Vec3::ZERO && bc != Vec3::ZERO && ca != Vec3::ZERO;
+        Self {
             a,
             b,
             c,
             alpha,
             cos_alpha,
             sin_alpha: (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt(),
-            solid_angle: alpha + beta + gamma - PI,
-        })
+            solid_angle: if is_seen {
+                alpha + beta + gamma - PI
+            } else {
+                0.0
+            },
+        }
     }
 
     /// A unit direction into the triangle, uniform by solid angle.
@@ -71,49 +76,43 @@ impl SphericalTriangle {
 
 /// A direction from `p` towards the triangle, uniform by solid angle; `random` in `[0, 1)²`.
 ///
-/// Very small solid angles, and triangles of which a corner is at `p`, are sampled by area. `None` for a triangle without area and one seen
-/// edge-on.
+/// Very small solid angles, and triangles of which a corner is at `p`, are sampled by area. The density is 0 for a triangle without area and
+/// one seen edge-on.
 #[inline(always)]
-pub fn sample_triangle(p: Vec3, triangle: &Triangle, random: Vec2) -> Option<DirectionSample> {
-    let (normal, area) = plane_of(triangle)?;
-    if let Some(seen) = large_enough(p, triangle) {
-        let wi = seen.sample(random);
-        let distance = (triangle.a - p).dot(normal) / wi.dot(normal);
-        return (distance > 0.0 && distance.is_finite()).then_some(DirectionSample {
-            wi,
-            distance,
-            pdf: 1.0 / seen.solid_angle,
-        });
-    }
+pub fn sample_triangle(p: Vec3, triangle: &Triangle, random: Vec2) -> DirectionSample {
+    let (normal, area) = plane_of(triangle);
+    let seen = SphericalTriangle::new(p, triangle);
+    let wi = seen.sample(random);
+    let distance = (triangle.a - p).dot(normal) / wi.dot(normal);
+    let reaches = distance > 0.0 && distance < f32::INFINITY;
+    let large = DirectionSample {
+        wi,
+        distance,
+        pdf: if reaches { 1.0 / seen.solid_angle } else { 0.0 },
+    };
     let root = random.x.sqrt();
     let (b, c) = (root * (1.0 - random.y), root * random.y);
     let at = triangle.a + (triangle.b - triangle.a) * b + (triangle.c - triangle.a) * c;
-    by_area(at - p, normal, area)
+    let small = by_area(at - p, normal, area);
+    DirectionSample::select(seen.solid_angle > LEAST_SOLID_ANGLE, large, small)
 }
 
 /// The density in 1/sr with which [`sample_triangle`] chooses the direction of `to_light`, from `p` to a point of the triangle; 0 edge-on.
 #[inline(always)]
 pub fn pdf_triangle(p: Vec3, triangle: &Triangle, to_light: Vec3) -> f32 {
-    if let Some(seen) = large_enough(p, triangle) {
+    let seen = SphericalTriangle::new(p, triangle);
+    if seen.solid_angle > LEAST_SOLID_ANGLE {
         return 1.0 / seen.solid_angle;
     }
-    let density = |(normal, area)| by_area(to_light, normal, area);
-    plane_of(triangle)
-        .and_then(density)
-        .map_or(0.0, |sample| sample.pdf)
+    let (normal, area) = plane_of(triangle);
+    by_area(to_light, normal, area).pdf
 }
 
+/// The unit normal and the area; both 0 without an area.
 #[inline(always)]
-fn large_enough(p: Vec3, triangle: &Triangle) -> Option<SphericalTriangle> {
-    SphericalTriangle::new(p, triangle).filter(|seen| seen.solid_angle > LEAST_SOLID_ANGLE)
-}
-
-/// Unit normal and area; `None` without area.
-#[inline(always)]
-fn plane_of(triangle: &Triangle) -> Option<(Vec3, f32)> {
+fn plane_of(triangle: &Triangle) -> (Vec3, f32) {
     let cross = (triangle.b - triangle.a).cross(triangle.c - triangle.a);
-    let length = cross.length();
-    (length > 0.0 && length.is_finite()).then(|| (cross / length, 0.5 * length))
+    (cross.normalize_or_zero(), 0.5 * cross.length())
 }
 
 #[cfg(test)]
@@ -134,13 +133,13 @@ mod tests {
             b: Vec3::Y,
             c: Vec3::Z,
         };
-        let seen = SphericalTriangle::new(Vec3::ZERO, &octant).expect("no corner is at 0");
+        let seen = SphericalTriangle::new(Vec3::ZERO, &octant);
         assert!((seen.solid_angle - PI / 2.0).abs() < 1e-5);
     }
 
     #[test]
     fn samples_lie_in_the_triangle() {
-        let (normal, area) = plane_of(&TRIANGLE).expect("it has an area");
+        let (normal, area) = plane_of(&TRIANGLE);
         for p in [
             Vec3::ZERO,
             Vec3::new(0.3, 0.6, 1.8),
@@ -148,7 +147,7 @@ mod tests {
         ] {
             for i in 0..1000 {
                 let random = Vec2::new((i as f32 + 0.5) / 1000.0, (i * 37 % 1000) as f32 / 1000.0);
-                let sample = sample_triangle(p, &TRIANGLE, random).expect("not edge-on");
+                let sample = sample_triangle(p, &TRIANGLE, random);
                 let at = p + sample.wi * sample.distance;
                 let part = |q: Vec3, r: Vec3| 0.5 * (q - at).cross(r - at).dot(normal) / area;
                 let weights = [

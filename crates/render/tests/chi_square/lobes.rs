@@ -22,7 +22,7 @@ fn diffuse_lobe() {
     let n = Vec3::new(0.3, 0.8, -0.4).normalize();
     let sample = |u| {
         let wi = sample_diffuse(n, u);
-        Some(towards(wi, pdf_diffuse(n, wi)))
+        towards(wi, pdf_diffuse(n, wi))
     };
     check("diffuse", n, sample, |wi| f64::from(pdf_diffuse(n, wi)));
 }
@@ -88,10 +88,7 @@ fn rough_glass() {
         let sample = |u| {
             let half = sample_ggx_visible(alpha, n, wo, u);
             let wi = refract(wo, half, eta)?;
-            Some(towards(
-                wi,
-                pdf_ggx_transmission(alpha, eta, n, half, wo, wi),
-            ))
+            towards(wi, pdf_ggx_transmission(alpha, eta, n, half, wo, wi))
         };
         let pdf = |wi: Vec3| {
             let half = refracting_half(eta, n, wo, wi);
