@@ -2,7 +2,7 @@
 
 use umbriel_kernels::glam::Vec3;
 use umbriel_kernels::{BuildQuality, Interval, MeshBvh, MeshHit, Ray, Surface, Triangle, Walk};
-use umbriel_kernels::{Plane, Rectangle, Sphere, SurfaceList};
+use umbriel_kernels::{Listed, Plane, Rectangle, Sphere, SurfaceList};
 
 /// Cells along an edge of the cube that is blown up: 6 · 2 · 58² = 20184 triangles.
 const CELLS: u32 = 58;
@@ -113,5 +113,6 @@ pub fn surfaces() -> SurfaceList {
     let sphere = |x: f32| Surface::Sphere(Sphere { center: Vec3::new(x, 0.0, 0.0), radius: 0.5 });
     let plane = Surface::Plane(Plane { point: Vec3::new(0.0, -1.0, 0.0), normal: Vec3::Y });
     let rectangle = Rectangle { center: Vec3::new(0.0, 0.2, -1.0), u: Vec3::X, v: Vec3::Y };
-    SurfaceList::new(vec![(0, sphere(-0.4)), (1, sphere(0.6)), (2, plane), (3, Surface::Rectangle(rectangle))])
+    let surfaces = [sphere(-0.4), sphere(0.6), plane, Surface::Rectangle(rectangle)];
+    SurfaceList::new((0..).zip(surfaces).map(|(i, surface)| Listed::in_world(i, surface)).collect())
 }

@@ -122,7 +122,7 @@ pub use raster::{
 pub use ray::{Interval, Ray};
 pub use rectangle::{Rectangle, intersect_rectangle};
 pub use simd::{
-    LANES, Lanes, NearTexels, PairLanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit,
+    LANES, Lanes, Listed, NearTexels, PairLanes, PointLanes, SurfaceList, Vec3Lanes, VectorUnit,
     lanes_within, run_starts, triangle_coordinates_each, triangle_coordinates_lanes, unit_normals,
     whole_vectors,
 };

@@ -6,9 +6,9 @@ use random::Random;
 use std::sync::Arc;
 use umbriel_kernels::glam::{Affine3A, EulerRot, Quat, Vec3};
 use umbriel_kernels::{
-    Aabb, Body, ContainmentMethod, Formula, ImplicitError, ImplicitSurface, InstanceBvh, Placed,
-    Ray, Shape, Sphere, Surface, SurfaceList, Way, gamma, intersect_implicit, intersect_surface,
-    offset_origin, surface_contains,
+    Aabb, Body, ContainmentMethod, Formula, ImplicitError, ImplicitSurface, InstanceBvh, Listed,
+    Placed, Ray, Shape, Sphere, Surface, SurfaceList, Way, gamma, intersect_implicit,
+    intersect_surface, offset_origin, surface_contains,
 };
 
 const HEART: &str = "(x^2 + 9/4*y^2 + z^2 - 1)^3 = x^2*z^3 + 9/80*y^2*z^3";
@@ -286,7 +286,7 @@ fn enter_and_leave_take_turns() {
 #[test]
 fn instances_meet_the_same() {
     let surface = Surface::Implicit(Arc::new(implicit(HEART)));
-    let list = SurfaceList::new(vec![(0, surface.clone())]);
+    let list = SurfaceList::new(vec![Listed::in_world(0, surface.clone())]);
     let mut random = Random(74);
     for _ in 0..50 {
         let turn = Quat::from_euler(EulerRot::XYZ, random.between(-3.0, 3.0) as f32, 1.0, 0.3);

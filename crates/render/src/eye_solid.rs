@@ -6,7 +6,7 @@ use crate::{
     surface::first_opaque,
 };
 use umbriel_kernels::{
-    Hit, LANES, Ray, SurfaceList,
+    Hit, LANES, Listed, Ray, SurfaceList,
     glam::{Affine3A, Vec3},
 };
 
@@ -38,7 +38,7 @@ impl EyeSolid {
         Some(Self {
             list: SurfaceList::with_unit(
                 bvh.unit(),
-                vec![(number, scene.surfaces[id.index()].clone())],
+                vec![Listed::in_world(number, scene.surfaces[id.index()].clone())],
             ),
             to_object: bvh.to_object(InstanceId(number)).copied(),
             cutoff,

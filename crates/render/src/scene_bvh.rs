@@ -4,8 +4,8 @@ use crate::{AlphaMode, Geometry, Instance, InstanceId, Mesh, Scene, surface};
 use rayon::prelude::*;
 use std::sync::OnceLock;
 use umbriel_kernels::{
-    Aabb, BuildQuality, Clusters, Hit, InstanceBvh, MeshBvh, Placed, Ray, Shape, SurfaceList,
-    VectorUnit, glam::Affine3A,
+    Aabb, BuildQuality, Clusters, Hit, InstanceBvh, Listed, MeshBvh, Placed, Ray, Shape,
+    SurfaceList, VectorUnit, glam::Affine3A,
 };
 
 /// A scene made ready for rays: one tree over its instances, and one over the triangles of each mesh.
@@ -198,13 +198,19 @@ impl<'a> SceneBvh<'a> {
     }
 }
 
-/// The whole scene as a list, if it is a handful of untransformed surfaces without holes.
+/// The whole scene as a list, if it is a handful of surfaces without holes.
 fn handful(placed: &[Placed], unit: VectorUnit) -> Option<SurfaceList> {
-    let plain = |(k, placed): (usize, &Placed)| match &placed.shape {
-        Shape::Surface(surface) if placed.to_object.is_none() && !placed.filtered => {
-            Some((k as u32, surface.clone()))
+    let plain = |(k, placed): (usize, &Placed)| {
+        // Nothing hits what a transform without an inverse made flat.
+        let has_space = placed.to_object.is_none_or(|space| space.is_finite());
+        match &placed.shape {
+            Shape::Surface(surface) if !placed.filtered && has_space => Some(Listed {
+                instance: k as u32,
+                surface: surface.clone(),
+                to_object: placed.to_object,
+            }),
+            _ => None,
         }
-        _ => None,
     };
     if placed.len() > HANDFUL {
         return None;

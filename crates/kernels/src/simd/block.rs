@@ -1,7 +1,7 @@
 //! Blocks of rays, component by component, and the twins that test them against one surface.
 
-use crate::{Plane, Ray, Rectangle, Sphere};
-use glam::DVec3;
+use crate::{Cuboid, Plane, Ray, Rectangle, Sphere};
+use glam::{Affine3A, DVec3, Vec3};
 
 /// Rays in a block.
 pub(super) const BLOCK: usize = 64;
@@ -36,6 +36,34 @@ impl RayBlock {
             }
             block.t_min[i] = ray.t.min;
             block.t_max[i] = ray.t.max;
+        }
+        block
+    }
+
+    /// The rays in another space; as [`Ray::transformed`], to the bit.
+    #[inline(always)]
+    pub(super) fn transformed(&self, transform: &Affine3A) -> Self {
+        let [x, y, z] = [
+            transform.matrix3.x_axis,
+            transform.matrix3.y_axis,
+            transform.matrix3.z_axis,
+        ]
+        .map(Vec3::from);
+        let moved = Vec3::from(transform.translation);
+        let mut block = Self {
+            origin: [[0.0; BLOCK]; 3],
+            dir: [[0.0; BLOCK]; 3],
+            t_min: self.t_min,
+            t_max: self.t_max,
+        };
+        for axis in 0..3 {
+            for i in 0..BLOCK {
+                let linear = |v: &[[f32; BLOCK]; 3]| {
+                    x[axis] * v[0][i] + y[axis] * v[1][i] + z[axis] * v[2][i]
+                };
+                block.origin[axis][i] = linear(&self.origin) + moved[axis];
+                block.dir[axis][i] = linear(&self.dir);
+            }
         }
         block
     }
@@ -136,4 +164,52 @@ pub(super) fn intersect_rectangle_block(rays: &RayBlock, rectangle: &Rectangle, 
             & (y.abs() <= 1.0);
         *t = rays.accept(i, hit, along as f32);
     }
+}
+
+/// [`intersect_cuboid`](crate::intersect_cuboid) for a block.
+#[inline(always)]
+pub(super) fn intersect_cuboid_block(
+    rays: &RayBlock,
+    cuboid: &Cuboid,
+    t: &mut Distances,
+    part: &mut [u32; BLOCK],
+) {
+    let (min, max) = (cuboid.min.as_dvec3(), cuboid.max.as_dvec3());
+    for i in 0..BLOCK {
+        let (o, d) = rays.lane(i);
+        let (to_min, to_max) = (min - o, max - o);
+        let mut inside = is_finite(d) & is_finite(to_min) & is_finite(to_max);
+        let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+        let (mut near_part, mut far_part) = (0, 0);
+        for axis in 0..3 {
+            let parallel = d[axis] == 0.0;
+            inside &= !(parallel & ((to_min[axis] > 0.0) | (to_max[axis] < 0.0)));
+            let (low, high) = (to_min[axis] / d[axis], to_max[axis] / d[axis]);
+            let turned = d[axis] < 0.0;
+            let (enter, leave) = if turned { (high, low) } else { (low, high) };
+            let first = 2 * axis as u32;
+            let (enters, leaves) = (!parallel & (enter > near), !parallel & (leave < far));
+            near = if enters { enter } else { near };
+            far = if leaves { leave } else { far };
+            near_part = if enters {
+                first + u32::from(turned)
+            } else {
+                near_part
+            };
+            far_part = if leaves {
+                first + u32::from(!turned)
+            } else {
+                far_part
+            };
+        }
+        inside &= near <= far;
+        let is_near = rays.contains(i, near as f32);
+        t[i] = rays.accept(i, inside, if is_near { near } else { far } as f32);
+        part[i] = if is_near { near_part } else { far_part };
+    }
+}
+
+#[inline(always)]
+fn is_finite(v: DVec3) -> bool {
+    (v.x.abs() < f64::INFINITY) & (v.y.abs() < f64::INFINITY) & (v.z.abs() < f64::INFINITY)
 }

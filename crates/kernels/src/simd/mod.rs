@@ -29,7 +29,7 @@ pub(crate) use packet::PacketBoxes;
 pub(crate) use packet_hits::PacketHits;
 pub(crate) use packet_leaf::PacketLeaf;
 pub(crate) use rays16::{RAYS, RayLanes, Rays16};
-pub use surface_list::SurfaceList;
+pub use surface_list::{Listed, SurfaceList};
 pub(crate) use triangle_lanes::{HitLanes, LaneHits};
 pub(crate) use triangle_leaf::TriangleLeaves;
 pub use triangle_normals::unit_normals;

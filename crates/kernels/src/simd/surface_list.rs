@@ -3,12 +3,24 @@
 use super::{
     VectorUnit,
     block::{
-        BLOCK, Distances, RayBlock, intersect_plane_block, intersect_rectangle_block,
-        intersect_sphere_block,
+        BLOCK, Distances, RayBlock, intersect_cuboid_block, intersect_plane_block,
+        intersect_rectangle_block, intersect_sphere_block,
     },
 };
 use crate::surface::meets_surface;
 use crate::{Hit, Ray, Surface, intersect_surface};
+use glam::Affine3A;
+
+/// A surface of a [`SurfaceList`].
+#[derive(Clone, Debug)]
+pub struct Listed {
+    /// Number of its instance.
+    pub instance: u32,
+    /// In object space.
+    pub surface: Surface,
+    /// World to object space; `None` where both are the same.
+    pub to_object: Option<Affine3A>,
+}
 
 /// A handful of surfaces, each tested against all rays: for few surfaces faster than any tree.
 ///
@@ -16,19 +28,19 @@ use crate::{Hit, Ray, Surface, intersect_surface};
 #[derive(Clone, Debug)]
 pub struct SurfaceList {
     unit: VectorUnit,
-    /// Instance numbers in rising order, so that the lower one wins at equal `t`.
-    surfaces: Vec<(u32, Surface)>,
+    /// In the order of their instances, so that the lower one wins at equal `t`.
+    surfaces: Vec<Listed>,
 }
 
 impl SurfaceList {
-    /// A list of surfaces with their instance numbers, in rising order.
-    pub fn new(surfaces: Vec<(u32, Surface)>) -> Self {
+    /// A list of surfaces, in rising order of their instances.
+    pub fn new(surfaces: Vec<Listed>) -> Self {
         Self::with_unit(VectorUnit::default(), surfaces)
     }
 
     /// The same by another vector unit, for tests that all give the same.
-    pub fn with_unit(unit: VectorUnit, surfaces: Vec<(u32, Surface)>) -> Self {
-        debug_assert!(surfaces.is_sorted_by_key(|s| s.0));
+    pub fn with_unit(unit: VectorUnit, surfaces: Vec<Listed>) -> Self {
+        debug_assert!(surfaces.is_sorted_by_key(|s| s.instance));
         Self { unit, surfaces }
     }
 
@@ -58,15 +70,15 @@ impl SurfaceList {
 }
 
 #[inline(always)]
-fn closest(surfaces: &[(u32, Surface)], rays: &[Ray], hits: &mut [Option<Hit>]) {
+fn closest(surfaces: &[Listed], rays: &[Ray], hits: &mut [Option<Hit>]) {
     for (rays, hits) in rays.chunks(BLOCK).zip(hits.chunks_mut(BLOCK)) {
         let mut block = RayBlock::new(rays);
         let mut best = [(u32::MAX); BLOCK];
         let mut best_part = [0; BLOCK];
         let mut t = [0.0; BLOCK];
         let mut part = [0; BLOCK];
-        for (k, (_, surface)) in surfaces.iter().enumerate() {
-            intersect(surface, rays, &block, &mut t, &mut part);
+        for (k, listed) in surfaces.iter().enumerate() {
+            intersect(listed, rays, &block, &mut t, &mut part);
             for i in 0..BLOCK {
                 // The interval's end belongs to it: the first hit may lie there, a later one has lost.
                 let first = (best[i] == u32::MAX) & (t[i] < f32::INFINITY);
@@ -77,8 +89,8 @@ fn closest(surfaces: &[(u32, Surface)], rays: &[Ray], hits: &mut [Option<Hit>]) 
             }
         }
         for (i, hit) in hits.iter_mut().enumerate() {
-            *hit = surfaces.get(best[i] as usize).map(|&(instance, _)| Hit {
-                instance,
+            *hit = surfaces.get(best[i] as usize).map(|listed| Hit {
+                instance: listed.instance,
                 primitive: best_part[i],
                 u: 0.0,
                 v: 0.0,
@@ -89,20 +101,20 @@ fn closest(surfaces: &[(u32, Surface)], rays: &[Ray], hits: &mut [Option<Hit>]) 
 }
 
 #[inline(always)]
-fn any(surfaces: &[(u32, Surface)], rays: &[Ray], occluded: &mut [bool]) {
+fn any(surfaces: &[Listed], rays: &[Ray], occluded: &mut [bool]) {
     for (rays, occluded) in rays.chunks(BLOCK).zip(occluded.chunks_mut(BLOCK)) {
         let block = RayBlock::new(rays);
         let mut blocked = [false; BLOCK];
         let mut t = [0.0; BLOCK];
         let mut part = [0; BLOCK];
-        for (_, surface) in surfaces {
-            if let Surface::Implicit(_) = surface {
+        for listed in surfaces {
+            if let Surface::Implicit(_) = listed.surface {
                 for (ray, blocked) in rays.iter().zip(&mut blocked) {
-                    *blocked = *blocked || meets_surface(ray, surface);
+                    *blocked = *blocked || meets_surface(&listed.object_ray(ray), &listed.surface);
                 }
                 continue;
             }
-            intersect(surface, rays, &block, &mut t, &mut part);
+            intersect(listed, rays, &block, &mut t, &mut part);
             for i in 0..BLOCK {
                 blocked[i] |= t[i] < f32::INFINITY;
             }
@@ -111,24 +123,40 @@ fn any(surfaces: &[(u32, Surface)], rays: &[Ray], occluded: &mut [bool]) {
     }
 }
 
-/// The twin where there is one, the slide ray by ray elsewhere. Twins have a single part, 0.
+/// The twin where there is one, the slide ray by ray elsewhere. Twins of surfaces in one part leave part 0.
 #[inline(always)]
 fn intersect(
-    surface: &Surface,
+    listed: &Listed,
+    rays: &[Ray],
+    block: &RayBlock,
+    t: &mut Distances,
+    part: &mut [u32; BLOCK],
+) {
+    match &listed.to_object {
+        Some(to_object) => intersect_block(listed, rays, &block.transformed(to_object), t, part),
+        None => intersect_block(listed, rays, block, t, part),
+    }
+}
+
+/// `rays` are in the world, `block` in object space.
+#[inline(always)]
+fn intersect_block(
+    listed: &Listed,
     rays: &[Ray],
     block: &RayBlock,
     t: &mut Distances,
     part: &mut [u32; BLOCK],
 ) {
     *part = [0; BLOCK];
-    match surface {
+    match &listed.surface {
         Surface::Sphere(s) => intersect_sphere_block(block, s, t),
         Surface::Plane(s) => intersect_plane_block(block, s, t),
         Surface::Rectangle(s) => intersect_rectangle_block(block, s, t),
-        _ => {
+        Surface::Cuboid(s) => intersect_cuboid_block(block, s, t, part),
+        surface => {
             *t = [f32::INFINITY; BLOCK];
             for (i, ray) in rays.iter().enumerate() {
-                let mut ray = *ray;
+                let mut ray = listed.object_ray(ray);
                 ray.t.max = block.t_max[i];
                 if let Some(hit) = intersect_surface(&ray, surface) {
                     t[i] = hit.t;
@@ -139,13 +167,30 @@ fn intersect(
     }
 }
 
+impl Listed {
+    /// A surface whose object space is the world.
+    pub fn in_world(instance: u32, surface: Surface) -> Self {
+        Self {
+            instance,
+            surface,
+            to_object: None,
+        }
+    }
+
+    fn object_ray(&self, ray: &Ray) -> Ray {
+        self.to_object
+            .as_ref()
+            .map_or(*ray, |to_object| ray.transformed(to_object))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::{Cuboid, Interval, Plane, Rectangle, Sphere, Torus};
     use glam::Vec3;
 
-    fn surfaces() -> Vec<(u32, Surface)> {
+    fn surfaces() -> Vec<Listed> {
         let v = Vec3::new;
         [
             Surface::Sphere(Sphere {
@@ -183,8 +228,37 @@ mod tests {
         ]
         .into_iter()
         .enumerate()
-        .map(|(i, s)| (3 * i as u32 + 1, s))
+        .map(|(i, surface)| Listed::in_world(3 * i as u32 + 1, surface))
+        .chain(transformed())
         .collect()
+    }
+
+    /// The instance that is the same as another with a lower number.
+    const COPY: u32 = 19;
+
+    /// One with a twin, in two parts, and one without.
+    fn transformed() -> Vec<Listed> {
+        let turned = Affine3A::from_rotation_y(0.4)
+            * Affine3A::from_translation(Vec3::new(0.2, -1.0, 2.0))
+            * Affine3A::from_scale(Vec3::new(1.0, 2.0, 0.7));
+        let cuboid = Surface::Cuboid(Cuboid {
+            min: Vec3::splat(-0.4),
+            max: Vec3::new(0.1, 0.5, 0.3),
+        });
+        let torus = Surface::Torus(Torus {
+            center: Vec3::ZERO,
+            axis: Vec3::X,
+            major_radius: 0.8,
+            minor_radius: 0.2,
+        });
+        (100..)
+            .zip([cuboid, torus])
+            .map(|(instance, surface)| Listed {
+                instance,
+                surface,
+                to_object: Some(turned),
+            })
+            .collect()
     }
 
     fn rays() -> Vec<Ray> {
@@ -228,8 +302,9 @@ mod tests {
     /// A loop over the slides, with the rule for equal `t`.
     fn expected(ray: &Ray) -> Option<Hit> {
         let mut best: Option<Hit> = None;
-        for (instance, surface) in surfaces() {
-            if let Some(hit) = intersect_surface(ray, &surface)
+        for listed in surfaces() {
+            let instance = listed.instance;
+            if let Some(hit) = intersect_surface(&listed.object_ray(ray), &listed.surface)
                 && best.is_none_or(|best| hit.t < best.t)
             {
                 best = Some(Hit {
@@ -268,7 +343,8 @@ mod tests {
     #[test]
     fn every_surface_is_hit() {
         let hits: Vec<Hit> = rays().iter().filter_map(expected).collect();
-        for (instance, _) in &surfaces()[..6] {
+        let all = surfaces();
+        for Listed { instance, .. } in all.iter().filter(|listed| listed.instance != COPY) {
             assert!(
                 hits.iter().any(|hit| hit.instance == *instance),
                 "{instance}"

@@ -185,6 +185,7 @@ impl Emitters {
     }
 
     /// Chooses the light.
+    #[inline]
     fn choose(&self, p: Vec3, n: Option<Vec3>, choice: f32) -> Option<Chosen> {
         let share = self.parallel_share();
         if choice < share {

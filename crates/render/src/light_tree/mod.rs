@@ -35,6 +35,7 @@ enum Kind {
 impl LightTree {
     /// Chooses a light for the point `p` that faces `n`, or takes light from all sides; `u` in `[0, 1)`. Gives its number and
     /// the probability with which it was chosen, greater than 0; `None` where no light shines, or none of a group that was chosen.
+    #[inline]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, mut u: f32) -> Option<(u32, f32)> {
         let mut node = self.nodes.first()?;
         let mut number = 0;

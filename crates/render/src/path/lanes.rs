@@ -8,8 +8,12 @@ use super::{
     },
 };
 use crate::{
-    PixelSampler, bsdf::Plain, emitters::LightLanes, hit_groups::NumberedHit,
-    sample_light::SampleLight, surface_lanes::SurfaceLanes,
+    PixelSampler, Scene,
+    bsdf::Plain,
+    emitters::{Emitters, LightLanes},
+    hit_groups::NumberedHit,
+    sample_light::SampleLight,
+    surface_lanes::SurfaceLanes,
 };
 use umbriel_kernels::{
     Interval, LANES, Lanes, Ray, Vec3Lanes,
@@ -144,7 +148,13 @@ impl Numbers {
 
 impl PlainLanes {
     #[inline(always)]
-    fn fill(&mut self, surfaces: &SurfaceLanes) {
+    fn fill<const MATTE: bool>(&mut self, surfaces: &SurfaceLanes) {
+        if MATTE {
+            for i in 0..whole_vectors(surfaces.len) {
+                self.diffuse.set(i, surfaces.get_base(i).bsdf.base_color);
+            }
+            return;
+        }
         for i in 0..whole_vectors(surfaces.len) {
             let surface = surfaces.get_base(i);
             let plain = Plain::new(&surface.bsdf, surface.ns.dot(surface.wo));
@@ -185,6 +195,19 @@ impl ScatterLanes {
             self.depth[i] = u32::from(state.depth);
             self.numbers.set(i, state);
         }
+    }
+
+    #[inline(always)]
+    fn choose_lights(&mut self, emitters: &Emitters, scene: &Scene, surfaces: &SurfaceLanes) {
+        let (choice, place) = (&self.numbers.choice, &self.numbers.place);
+        emitters.sample_lanes(scene, surfaces, choice, place, &mut self.light);
+    }
+
+    #[inline(always)]
+    fn scatter<const MATTE: bool>(&mut self, surfaces: &SurfaceLanes) {
+        self.plain.fill::<MATTE>(surfaces);
+        self.reflect::<MATTE>(surfaces);
+        self.go_on::<MATTE>(surfaces);
     }
 
     /// What the surfaces reflect of the chosen lights, and the rays that ask for it.
@@ -253,26 +276,16 @@ impl PathTracer<'_> {
             let state = &states[*i as usize];
             (state, state.weight * state.absorption(scene, hit.t))
         });
-        let is_matte = surfaces.are_matte();
         self.unit.run(
             #[inline(always)]
             || {
                 lanes.load(states, depth);
                 lanes.numbers.draw(surfaces.len);
-                lanes.plain.fill(surfaces);
-                self.emitters.sample_lanes(
-                    scene,
-                    surfaces,
-                    &lanes.numbers.choice,
-                    &lanes.numbers.place,
-                    &mut lanes.light,
-                );
-                if is_matte {
-                    lanes.reflect::<true>(surfaces);
-                    lanes.go_on::<true>(surfaces);
+                lanes.choose_lights(self.emitters, scene, surfaces);
+                if surfaces.are_matte() {
+                    lanes.scatter::<true>(surfaces);
                 } else {
-                    lanes.reflect::<false>(surfaces);
-                    lanes.go_on::<false>(surfaces);
+                    lanes.scatter::<false>(surfaces);
                 }
             },
         );

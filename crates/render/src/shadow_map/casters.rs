@@ -6,7 +6,7 @@ use crate::{
 };
 use rayon::prelude::*;
 use umbriel_kernels::{
-    BlockImage, Hit, LANES, Plane, Ray, Surface, SurfaceList,
+    BlockImage, Hit, LANES, Listed, Plane, Ray, Surface, SurfaceList,
     glam::{Affine3A, Vec2, Vec3},
 };
 
@@ -105,7 +105,10 @@ fn solid(
     Some(Solid {
         instance: i as u32,
         first_id: first_ids[i],
-        list: SurfaceList::with_unit(bvh.unit(), vec![(i as u32, surface.clone())]),
+        list: SurfaceList::with_unit(
+            bvh.unit(),
+            vec![Listed::in_world(i as u32, surface.clone())],
+        ),
         plane: match surface {
             Surface::Plane(plane) => Some(*plane),
             _ => None,

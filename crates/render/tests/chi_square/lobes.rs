@@ -87,7 +87,10 @@ fn rough_glass() {
         let wo = n * cos_o + x * (1.0 - cos_o * cos_o).sqrt();
         let sample = |u| {
             let half = sample_ggx_visible(alpha, n, wo, u);
-            let wi = refract(wo, half, eta)?;
+            // Nothing goes through where it is totally reflected.
+            let Some(wi) = refract(wo, half, eta) else {
+                return towards(n, 0.0);
+            };
             towards(wi, pdf_ggx_transmission(alpha, eta, n, half, wo, wi))
         };
         let pdf = |wi: Vec3| {
