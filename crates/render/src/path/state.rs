@@ -14,7 +14,7 @@ pub(super) const DIRECTION_PAIR: u32 = 1;
 pub(super) const LIGHT_PAIR: u32 = 2;
 pub(super) const PLACE_PAIR: u32 = 3;
 /// Surfaces after which paths of little weight may end.
-pub(super) const SURE_SURFACES: u16 = 3;
+pub(super) const SURE_SURFACES: u16 = 5;
 
 /// What a path carries beside its ray.
 #[derive(Clone, Copy, Debug)]
