@@ -44,7 +44,8 @@ pub enum GlassShadows {
     /// Glass blocks light like anything else.
     Opaque,
     /// Light passes straight through, weakened by the glass's transmission and absorption, as in
-    /// Whitted's paper. Right in tint, not in place: there are no caustics.
+    /// Whitted's paper. Right in tint, not in place: there are no caustics. Paths then leave out the light that glass bends onto other
+    /// surfaces, which comes straight instead: a bias, for less noise.
     #[default]
     Filtered,
 }
@@ -70,8 +71,8 @@ pub struct Settings {
     pub min_weight: f32,
     /// Whether lights cast shadows.
     pub shadows: bool,
-    /// What a shadow ray does at glass.
-    pub glass_shadows: GlassShadows,
+    /// What a shadow ray does at glass; `None` is what suits the method, see [`Settings::glass`].
+    pub glass_shadows: Option<GlassShadows>,
     /// How each light's shadow map is made and read, in the order of the scene's lights; lights beyond the end have the default.
     pub shadow_maps: Vec<ShadowMapSettings>,
     /// Changes the places of the samples in the pixels.
@@ -86,6 +87,17 @@ pub struct Settings {
     pub split_light: bool,
 }
 
+impl Settings {
+    /// What a shadow ray does at glass: what was asked for; otherwise paths find their way through glass by themselves, and other methods, which
+    /// do not, let light pass straight.
+    pub fn glass(&self) -> GlassShadows {
+        self.glass_shadows.unwrap_or(match self.method {
+            Method::Path => GlassShadows::Opaque,
+            Method::RayCast | Method::Whitted | Method::ShadowMap => GlassShadows::Filtered,
+        })
+    }
+}
+
 impl Default for Settings {
     fn default() -> Self {
         Self {
@@ -96,7 +108,7 @@ impl Default for Settings {
             depth: 8,
             min_weight: 1.0 / 256.0,
             shadows: true,
-            glass_shadows: GlassShadows::default(),
+            glass_shadows: None,
             shadow_maps: Vec::new(),
             seed: 0,
             time: None,

@@ -113,7 +113,7 @@ impl<'a> Tracer<'a> {
             bvh,
             settings,
             unit,
-            shadow_rays: ShadowRays::new(bvh, settings.glass_shadows),
+            shadow_rays: ShadowRays::new(bvh, settings.glass()),
             maps: maps
                 .filter(|_| settings.shadows)
                 .map(|maps| MapVisibility::new(maps, unit)),

@@ -214,7 +214,7 @@ fn shadow_of_a_thin_pane() {
         color * (1.0 - 2.0 * f / (1.0 + f)),
     );
     let opaque = Settings {
-        glass_shadows: GlassShadows::Opaque,
+        glass_shadows: Some(GlassShadows::Opaque),
         ..ray_cast()
     };
     close(look(&scene, &camera, &opaque), Vec3::ZERO);

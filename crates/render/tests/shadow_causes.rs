@@ -64,11 +64,11 @@ fn find(scene: &Scene, camera: &Camera, settings: &Settings) -> Found {
     let seen = SeenPoints::find(&bvh, camera, settings);
     let size = settings.shadow_maps[0].light_size;
     let how = TruthSettings {
-        glass_shadows: settings.glass_shadows,
+        glass_shadows: settings.glass(),
         ..TruthSettings::default()
     };
     let truth = watch(|control| LightTruth::trace(&bvh, &seen, 0, size, &how, control));
-    let glass = settings.glass_shadows;
+    let glass = settings.glass();
     let errors = LightErrors::find(&bvh, &maps, &seen, &truth, glass, TOLERANCE);
     Found {
         seen,

@@ -87,7 +87,7 @@ fn ask_everywhere(scenes: &[Scene], camera: &Camera, map: ShadowMapSettings) {
         let bvh = SceneBvh::build(scene);
         let settings = Settings {
             shadow_maps: vec![map; scene.lights.len()],
-            glass_shadows: GlassShadows::Opaque,
+            glass_shadows: Some(GlassShadows::Opaque),
             ..settings(map)
         };
         let maps = ShadowMaps::render(&bvh, camera, &settings, true);

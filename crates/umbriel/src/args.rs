@@ -131,7 +131,7 @@ pub(crate) struct RenderArgs {
     /// Let no light cast a shadow
     #[arg(long)]
     pub(crate) no_shadows: bool,
-    /// What a shadow ray does at glass [default: filtered]
+    /// What a shadow ray does at glass [default: filtered; opaque for paths, which find their way through glass]
     #[arg(long, value_enum)]
     pub(crate) glass_shadows: Option<GlassName>,
     #[command(flatten)]

@@ -138,7 +138,7 @@ fn settings(args: &RenderArgs, scene: &SceneSettings, size: [u32; 2]) -> Setting
             .glass_shadows
             .map(Into::into)
             .or(scene.glass_shadows)
-            .unwrap_or(base.glass_shadows),
+            .or(base.glass_shadows),
         seed: args.seed.or(scene.seed).unwrap_or(base.seed),
         ..base
     }

@@ -79,7 +79,7 @@ pub(crate) fn print_loaded(
     }
     if args.verbose {
         let s = &plan.settings;
-        let (shadows, glass, depth) = (s.shadows, s.glass_shadows, s.depth);
+        let (shadows, glass, depth) = (s.shadows, s.glass(), s.depth);
         say(&format!(
             "scene {}, depth {depth}, shadows {shadows}, at glass {glass:?}, seed {}",
             memory(contents.memory as f64),

@@ -133,14 +133,14 @@ fn intersect(
     part: &mut [u32; BLOCK],
 ) {
     match &listed.to_object {
-        Some(to_object) => intersect_block(listed, rays, &block.transformed(to_object), t, part),
-        None => intersect_block(listed, rays, block, t, part),
+        Some(to_object) => meet_block(listed, rays, &block.transformed(to_object), t, part),
+        None => meet_block(listed, rays, block, t, part),
     }
 }
 
 /// `rays` are in the world, `block` in object space.
 #[inline(always)]
-fn intersect_block(
+fn meet_block(
     listed: &Listed,
     rays: &[Ray],
     block: &RayBlock,

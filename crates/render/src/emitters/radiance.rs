@@ -17,10 +17,9 @@ impl Placed {
         let material = &scene.materials[instance.material.index()];
         if let Emitter::Triangle(t) = &self.emitter
             && !material.shows_back()
+            && (t.b - t.a).cross(t.c - t.a).dot(wo) * outward_sign(instance) <= 0.0
         {
-            if (t.b - t.a).cross(t.c - t.a).dot(wo) * outward_sign(instance) <= 0.0 {
-                return Vec3::ZERO;
-            }
+            return Vec3::ZERO;
         }
         let Some(texture) = &material.emission_texture else {
             return material.emission;

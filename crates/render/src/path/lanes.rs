@@ -337,6 +337,7 @@ impl PathTracer<'_> {
                 self.next_states.push(PathState {
                     weight,
                     depth: state.depth + 1,
+                    bent: false,
                     pdf: lanes.onward.pdf[lane],
                     from: self.surfaces.p(lane),
                     from_normal: Some(self.surfaces.ns(lane)),

@@ -6,7 +6,7 @@ use super::{
         DIRECTION_PAIR, LIGHT_PAIR, LOBE_PAIR, PLACE_PAIR, PathState, SURE_SURFACES, Unshadowed,
     },
 };
-use crate::{SurfaceInteraction, sample_light::SampleLight};
+use crate::{GlassShadows, SurfaceInteraction, sample_light::SampleLight};
 use umbriel_kernels::{Hit, Interval, Ray, glam::Vec3, offset_origin};
 
 impl PathTracer<'_> {
@@ -37,8 +37,19 @@ impl PathTracer<'_> {
         if u32::from(state.depth) >= self.settings.depth {
             return;
         }
-        self.aim(&state, &surface);
+        state.bent = self.is_bent(&state, &surface);
+        if !state.bent {
+            self.aim(&state, &surface);
+        }
         self.go_on(&state, &surface, choices.x, lane, hit.instance);
+    }
+
+    /// Whether the light that the path finds from here on comes straight to where the path comes from, by a filtered shadow ray.
+    fn is_bent(&self, state: &PathState, surface: &SurfaceInteraction) -> bool {
+        let aimed_before = state.bent || state.pdf < f32::INFINITY;
+        surface.bsdf.transmission > 0.0
+            && aimed_before
+            && self.settings.glass() == GlassShadows::Filtered
     }
 
     /// The path goes straight on behind a surface of partial alpha.
@@ -59,6 +70,9 @@ impl PathTracer<'_> {
     ///
     /// Source: Veach & Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995 (balance heuristic).
     pub(super) fn emission_share(&self, state: &PathState, hit: &Hit, p: Vec3) -> f32 {
+        if state.bent {
+            return 0.0;
+        }
         if state.pdf == f32::INFINITY {
             return 1.0;
         }

@@ -32,6 +32,8 @@ pub(super) struct PathState {
     pub(super) passes: u16,
     /// What it travels in; `None` is air.
     pub(super) medium: Option<MaterialId>,
+    /// Whether it left for glass from a surface to which filtered shadow rays bring light through glass, and met nothing else since.
+    pub(super) bent: bool,
     /// The density with which its direction was chosen; infinite where no light could be aimed at in its place.
     pub(super) pdf: f32,
     /// Where it comes from, and the normal there.

@@ -265,7 +265,7 @@ impl Job<'_> {
     /// The planes that cast shadows without holes.
     fn planes(&self) -> Vec<Plane> {
         let scene = self.bvh.scene();
-        let glass = self.settings.glass_shadows;
+        let glass = self.settings.glass();
         let is_caster = |&i: &usize| {
             let material = &scene.materials[scene.instances[i].material.index()];
             casts(material, glass) == Casts::Whole
@@ -277,18 +277,13 @@ impl Job<'_> {
     /// One depth image: triangles by the rasteriser, surfaces by the light's rays.
     fn draw(&self, view: LightView) -> DepthMap {
         let mut map = self.draw_meshes(view);
-        draw_surfaces(
-            self.bvh,
-            self.settings.glass_shadows,
-            self.first_ids,
-            &mut map,
-        );
+        draw_surfaces(self.bvh, self.settings.glass(), self.first_ids, &mut map);
         map
     }
 
     fn draw_meshes(&self, view: LightView) -> DepthMap {
         let scene = self.bvh.scene();
-        let draws = caster_draws(self.bvh, self.first_ids, &view, self.settings.glass_shadows);
+        let draws = caster_draws(self.bvh, self.first_ids, &view, self.settings.glass());
         let size = [view.side; 2];
         let image = if draws.draws.is_empty() {
             BlockImage::new(size, self.with_ids)

@@ -10,7 +10,7 @@ pub(super) fn error(context: &ShowContext, ground: &Image, control: &Control) ->
     let ShowContext {
         bvh, maps, light, ..
     } = *context;
-    let glass_shadows = context.settings.glass_shadows;
+    let glass_shadows = context.settings.glass();
     let settings = TruthSettings {
         glass_shadows,
         ..TruthSettings::default()

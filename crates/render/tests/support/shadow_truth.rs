@@ -105,7 +105,7 @@ pub(crate) fn maps(
 ) -> ShadowMaps {
     let settings = Settings {
         resolution: size,
-        glass_shadows,
+        glass_shadows: Some(glass_shadows),
         shadow_maps: vec![settings; bvh.scene().lights.len()],
         ..Settings::default()
     };

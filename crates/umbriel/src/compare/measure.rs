@@ -54,7 +54,7 @@ pub(super) fn measure(job: &Job, chosen: &[usize]) -> Measured {
     let (maps, map_time) = timed(|| ShadowMaps::render(bvh, camera, settings, true));
     let (seen, points) = timed(|| SeenPoints::find(bvh, camera, settings));
     let how = TruthSettings {
-        glass_shadows: settings.glass_shadows,
+        glass_shadows: settings.glass(),
         rays: job.args.truth_rays,
     };
     let (truths, truth) = timed(|| {

@@ -135,7 +135,7 @@ fn settings(args: &CompareArgs, loaded: &Loaded) -> Result<Settings, Failure> {
             .glass_shadows
             .map(Into::into)
             .or(scene.glass_shadows)
-            .unwrap_or(own.glass_shadows),
+            .or(own.glass_shadows),
         shadow_maps: choose_shadow_maps(&args.shadow_maps, loaded)?,
         ..own
     })
