@@ -181,6 +181,7 @@ fn add_daylight(scene: &mut Scene) {
         name: "sun".to_owned(),
         direction: Vec3::new(0.45, -1.0, -0.6).normalize(),
         illuminance: Vec3::new(2.5, 2.4, 2.25),
+        angle: 0.0,
     }));
 }
 

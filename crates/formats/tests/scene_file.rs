@@ -133,17 +133,21 @@ fn shadow_maps_follow_the_lights() {
         )
     };
     assert_eq!(settings.shadow_maps.len(), scene.lights.len());
-    assert_eq!(said(0), "p 256 constant:0.02m pcf:3 2 0.500");
+    assert_eq!(said(0), "p 256 constant:0.02m pcf:3 2 0.250");
     assert_eq!(said(1), "s 512 slope-scaled:1.5 pcf:3 2 0.500");
     assert_eq!(said(3), "d 1024 slope-scaled:1.5 pcss:64 4 0.530");
     // Daylight comes from no table, and an included file goes after the one that includes it.
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
-    let base = "[render.shadow_map]\nresolution = 64\nfilter = \"pcf:5\"\nsize = 1000\n";
+    let base = "[render.shadow_map]\nresolution = 64\nfilter = \"pcf:5\"\n";
     write("base.toml", base);
     let scene = "include = [\"base.toml\"]\nrender.shadow_map.resolution = 32\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\n";
     write("scene.toml", scene);
-    let loaded = load_scene(&folder.path().join("scene.toml"), &LoadOptions::default()).unwrap();
+    let options = LoadOptions {
+        light_size: Some(1000.0),
+        ..LoadOptions::default()
+    };
+    let loaded = load_scene(&folder.path().join("scene.toml"), &options).unwrap();
     let [map] = loaded.settings.shadow_maps[..] else {
         panic!("one sun")
     };
@@ -153,8 +157,8 @@ fn shadow_maps_follow_the_lights() {
     );
     assert_eq!(
         map.light_size,
-        std::f32::consts::PI,
-        "at most half of the sky"
+        LoadOptions::MAX_LIGHT_DEGREES.to_radians(),
+        "less than half of the sky"
     );
 }
 

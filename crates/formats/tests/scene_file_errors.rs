@@ -18,6 +18,7 @@ fn load(
         &LoadOptions {
             overrides,
             resolution: None,
+            ..LoadOptions::default()
         },
     )
 }
@@ -279,6 +280,7 @@ fn overrides_need_a_scene_file() {
         &LoadOptions {
             overrides,
             resolution: None,
+            ..LoadOptions::default()
         },
     )
     .unwrap_err();

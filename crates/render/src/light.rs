@@ -1,4 +1,4 @@
-//! Lights without extent: point, spot and directional, in the units of glTF.
+//! Lights: point, spot and directional, in the units of glTF, with or without extent.
 
 use umbriel_kernels::glam::Vec3;
 
@@ -24,6 +24,8 @@ pub struct PointLight {
     pub intensity: Vec3,
     /// Distance in metres beyond which there is no light; infinite for the pure inverse square law.
     pub range: f32,
+    /// Diameter in metres of the ball that shines, at least 0; see [`Light::size`].
+    pub diameter: f32,
 }
 
 /// Shines from a point into a cone.
@@ -43,6 +45,8 @@ pub struct SpotLight {
     pub inner_angle: f32,
     /// Angle from the axis, in radians, at which the light ends; greater than `inner_angle`, at most π/2.
     pub outer_angle: f32,
+    /// Diameter in metres of the ball that shines, at least 0; see [`Light::size`].
+    pub diameter: f32,
 }
 
 /// Parallel light from infinitely far away.
@@ -54,6 +58,8 @@ pub struct DirectionalLight {
     pub direction: Vec3,
     /// Illuminance on a surface that faces the light, in lux.
     pub illuminance: Vec3,
+    /// Angle that the light fills in the sky, in radians, from 0 and below π; see [`Light::size`].
+    pub angle: f32,
 }
 
 /// Light that arrives at a point from one light, before any shadow.
@@ -94,6 +100,28 @@ impl Light {
             Self::Point(light) => &light.name,
             Self::Spot(light) => &light.name,
             Self::Directional(light) => &light.name,
+        }
+    }
+
+    /// The light's extent: the diameter in metres of a point or spot light, the angular diameter in radians of a directional light; 0 for a
+    /// light without extent, whose shadows have sharp edges.
+    ///
+    /// Paths find the light on the whole of it, PCSS and comparisons take shadows for as soft as it makes them; ray casting and Whitted's
+    /// method see its centre alone. The light itself is not seen, in no mirror either.
+    pub fn size(&self) -> f32 {
+        match self {
+            Self::Point(light) => light.diameter,
+            Self::Spot(light) => light.diameter,
+            Self::Directional(light) => light.angle,
+        }
+    }
+
+    /// Changes [`Light::size`].
+    pub fn set_size(&mut self, size: f32) {
+        match self {
+            Self::Point(light) => light.diameter = size,
+            Self::Spot(light) => light.diameter = size,
+            Self::Directional(light) => light.angle = size,
         }
     }
 
@@ -180,6 +208,7 @@ mod tests {
             position: Vec3::new(1.0, 2.0, 3.0),
             intensity: Vec3::splat(8.0),
             range,
+            diameter: 0.0,
         })
     }
 
@@ -219,6 +248,7 @@ mod tests {
             range: f32::INFINITY,
             inner_angle: 0.2,
             outer_angle: 0.5,
+            diameter: 0.0,
         });
         let at = |angle: f32| {
             spot.sample(Vec3::new(angle.sin(), 0.0, -angle.cos()))

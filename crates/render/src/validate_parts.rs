@@ -327,17 +327,27 @@ pub(crate) fn check_texture(texture: &Texture) -> Check {
     }
 }
 
+fn check_diameter(diameter: f32) -> Check {
+    let good = (0.0..=MOST_METRES).contains(&diameter);
+    check(good, "diameter", diameter, "from 0 to 1000000")
+}
+
+/// A light larger than this is no light in a scene.
+const MOST_METRES: f32 = 1e6;
+
 pub(crate) fn check_light(light: &Light) -> Check {
     match light {
         Light::Point(light) => {
             check_finite("position", light.position)?;
             check_color("intensity", light.intensity)?;
+            check_diameter(light.diameter)?;
             check(light.range > 0.0, "range", light.range, "greater than 0")
         }
         Light::Spot(light) => {
             check_finite("position", light.position)?;
             check_direction("direction", light.direction)?;
             check_color("intensity", light.intensity)?;
+            check_diameter(light.diameter)?;
             check(light.range > 0.0, "range", light.range, "greater than 0")?;
             let (inner, outer) = (light.inner_angle, light.outer_angle);
             let degrees = f32::to_degrees;
@@ -360,7 +370,13 @@ pub(crate) fn check_light(light: &Light) -> Check {
         }
         Light::Directional(light) => {
             check_direction("direction", light.direction)?;
-            check_color("illuminance", light.illuminance)
+            check_color("illuminance", light.illuminance)?;
+            check(
+                (0.0..PI).contains(&light.angle),
+                "angle",
+                light.angle.to_degrees(),
+                "0 or greater and below 180 degrees",
+            )
         }
     }
 }

@@ -296,6 +296,7 @@ fn spot_light_has_an_edge() {
         range: f32::INFINITY,
         inner_angle: 0.3,
         outer_angle: 0.4,
+        diameter: 0.0,
     }));
     let at = |x: f32| {
         look(

@@ -74,6 +74,7 @@ fn every_light_agrees_with_rays() {
         range: f32::INFINITY,
         inner_angle: 0.3,
         outer_angle: 0.8,
+        diameter: 0.0,
     };
     let wide = SpotLight {
         outer_angle: 1.5,
@@ -84,6 +85,7 @@ fn every_light_agrees_with_rays() {
         position: Vec3::new(1.0, 5.0, 2.0),
         intensity: Vec3::ONE,
         range: f32::INFINITY,
+        diameter: 0.0,
     };
     let mut scene = tori([32, 16], true);
     for light in [Light::Spot(spot), Light::Spot(wide), Light::Point(point)] {

@@ -211,8 +211,8 @@ pub(crate) struct ShadowMapArgs {
     /// Shadow maps of each directional light, one behind the other [default: 1]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=i64::from(ShadowMapSettings::MAX_CASCADES)))]
     pub(crate) cascades: Option<u32>,
-    /// Size of the lights for the filter pcss: the diameter in metres, for directional lights the angular diameter in
-    /// degrees [default: 0]
+    /// Size of all lights, for soft shadows by paths and by the filter pcss: the diameter in metres, for directional lights
+    /// the angular diameter in degrees [default: their own]
     #[arg(long, value_name = "SIZE", value_parser = parse_light_size)]
     pub(crate) light_size: Option<f32>,
 }

@@ -146,7 +146,7 @@ fn scene_memory(scene: &Scene) -> usize {
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let options = LoadOptions {
         overrides: args.definitions.clone(),
-        resolution: None,
+        ..LoadOptions::default()
     };
     let loaded = load_scene(&args.scene, &options)?;
     let ignored = ignored_line(&loaded.report);

@@ -149,6 +149,7 @@ fn load(args: &RenderArgs, target: Target) -> Result<Loaded, Failure> {
             Some(Resolution::Pixels(width, height)) => Some([width as u32, height as u32]),
             _ => None,
         },
+        light_size: args.shadow_maps.light_size,
     };
     let loaded = load_scene(&args.scene, &options)?;
     if args.strict {

@@ -26,7 +26,6 @@ pub(crate) fn choose_shadow_maps(
         bias: args.bias,
         filter: args.filter,
         cascades: args.cascades,
-        size: args.light_size,
     };
     let lights = loaded.scene.lights.iter();
     let own = loaded.settings.shadow_maps.iter();
@@ -155,7 +154,10 @@ pub(crate) fn idle_shadow_options(
         (args.bias.is_some(), "--shadow-bias"),
         (args.filter.is_some(), "--shadow-filter"),
         (args.cascades.is_some(), "--cascades"),
-        (args.light_size.is_some(), "--light-size"),
+        (
+            args.light_size.is_some() && settings.method != Method::Path,
+            "--light-size",
+        ),
     ];
     let given: Vec<&str> = given.iter().filter(|(is, _)| *is).map(|g| g.1).collect();
     let sun = |light: &Light| matches!(light, Light::Directional(_));

@@ -1,7 +1,7 @@
 //! Values of options: how they are written and what they mean.
 
 use umbriel_formats::{
-    ShadowMapOverrides,
+    LoadOptions,
     render::{Aov, ShadowMapSettings},
 };
 
@@ -88,7 +88,7 @@ pub(crate) fn parse_map_side(text: &str) -> Result<u64, String> {
 
 /// A size that lights can have.
 pub(crate) fn parse_light_size(text: &str) -> Result<f32, String> {
-    let most = ShadowMapOverrides::MAX_SIZE;
+    let most = LoadOptions::MAX_LIGHT_SIZE;
     match text.parse::<f32>() {
         Ok(size) if (0.0..=most).contains(&size) => Ok(size),
         _ => Err(format!(

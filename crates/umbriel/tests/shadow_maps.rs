@@ -8,10 +8,15 @@ use support::{Folder, SCENE};
 fn folder() -> Folder {
     let folder = Folder::new();
     let lights = "\n[[directional_light]]\nname = \"sun\"\ndirection = [1, -2, -1]\nilluminance = 1\n\
-                  [directional_light.shadow_map]\nresolution = 512\ncascades = 4\nsize = 0.53\n\n\
-                  [[spot_light]]\nname = \"spot\"\nposition = [0, 5, 0]\nlook_at = [0, 0, 0]\nintensity = 9\n";
-    let all = "[render]\nmethod = \"shadow-map\"\nshadow_map = { resolution = 64, filter = \"pcss:16\", size = 0.25 }";
-    let scene = SCENE.replace("[render]", all) + lights;
+                  angle = 0.53\n[directional_light.shadow_map]\nresolution = 512\ncascades = 4\n\n\
+                  [[spot_light]]\nname = \"spot\"\nposition = [0, 5, 0]\nlook_at = [0, 0, 0]\nintensity = 9\ndiameter = 0.25\n";
+    let all =
+        "[render]\nmethod = \"shadow-map\"\nshadow_map = { resolution = 64, filter = \"pcss:16\" }";
+    let point = "[[point_light]]\ndiameter = 0.25";
+    let scene = SCENE
+        .replace("[render]", all)
+        .replace("[[point_light]]", point)
+        + lights;
     folder.write("scene.toml", &scene);
     folder
 }

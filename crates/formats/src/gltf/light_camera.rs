@@ -99,11 +99,13 @@ pub(super) fn read_light(json: &Json, world: &Affine3A) -> Result<Light, FileErr
             position,
             intensity,
             range,
+            diameter: 0.0,
         })),
         Some("directional") => Ok(Light::Directional(DirectionalLight {
             name,
             direction,
             illuminance: intensity,
+            angle: 0.0,
         })),
         Some("spot") => {
             let (inner_angle, outer_angle) = read_cone(json)?;
@@ -115,6 +117,7 @@ pub(super) fn read_light(json: &Json, world: &Affine3A) -> Result<Light, FileErr
                 range,
                 inner_angle,
                 outer_angle,
+                diameter: 0.0,
             }))
         }
         _ => Err(json.error_at("type", "is unknown; expected point, spot or directional")),

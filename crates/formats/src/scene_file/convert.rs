@@ -342,6 +342,7 @@ impl Builder<'_> {
             range: table.range.unwrap_or(f32::INFINITY),
             inner_angle: table.inner_angle.unwrap_or(0.0).to_radians(),
             outer_angle: table.outer_angle.unwrap_or(45.0).to_radians(),
+            diameter: table.diameter.unwrap_or(0.0),
         }))
     }
 }
@@ -355,6 +356,7 @@ fn point_light(table: &PointLightTable, i: usize) -> Light {
         position: table.position.into(),
         intensity: table.intensity.into(),
         range: table.range.unwrap_or(f32::INFINITY),
+        diameter: table.diameter.unwrap_or(0.0),
     })
 }
 
@@ -366,5 +368,6 @@ fn directional_light(table: &DirectionalLightTable, i: usize) -> Light {
             .unwrap_or_else(|| format!("directional_light {i}")),
         direction: Vec3::from(table.direction).normalize_or_zero(),
         illuminance: table.illuminance.into(),
+        angle: table.angle.unwrap_or(0.0).to_radians(),
     })
 }

@@ -244,6 +244,8 @@ pub(super) struct PointLightTable {
     pub intensity: Color,
     /// Distance in metres at which the light ends; infinite by default.
     pub range: Option<f32>,
+    /// Diameter in metres of the ball that shines, for soft shadows; 0 by default.
+    pub diameter: Option<f32>,
     /// Its shadow map.
     pub shadow_map: Option<ShadowMapTable>,
 }
@@ -268,6 +270,8 @@ pub(super) struct SpotLightTable {
     pub inner_angle: Option<f32>,
     /// Degrees from the axis at which the light ends, at most 90; 45 by default.
     pub outer_angle: Option<f32>,
+    /// Diameter in metres of the ball that shines, for soft shadows; 0 by default.
+    pub diameter: Option<f32>,
     /// Its shadow map.
     pub shadow_map: Option<ShadowMapTable>,
 }
@@ -282,6 +286,8 @@ pub(super) struct DirectionalLightTable {
     pub direction: Vec3,
     /// Illuminance in lux on a surface that faces the light; π makes a white diffuse surface have radiance 1.
     pub illuminance: Color,
+    /// Degrees that the light fills in the sky, for soft shadows: 0.53 for the sun; 0 by default.
+    pub angle: Option<f32>,
     /// Its shadow map.
     pub shadow_map: Option<ShadowMapTable>,
 }

@@ -21,13 +21,13 @@ pub use shadow_map::{ShadowMapOverrides, check_shadow_map_side};
 use crate::{FileError, Place, Report, complete_scene, import_model};
 use shadow_map::ShadowMapTables;
 use std::path::Path;
-use umbriel_render::{Sampling, Scene, ShadowMapSettings};
+use umbriel_render::{Light, Sampling, Scene, ShadowMapSettings};
 
 /// Samples a pixel of a model.
 const MODEL_SPP: u32 = 4;
 
 /// How a scene is loaded.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LoadOptions {
     /// Values to set in a scene file before it is understood: a path with dots, through tables by name
     /// and through arrays by position or name (`sphere.0.radius`, `sphere.glass.radius`), and the value
@@ -36,6 +36,27 @@ pub struct LoadOptions {
     /// Width and height of the picture to be, for the framing of scenes without a camera; in place of what the file
     /// says, or of 4:3.
     pub resolution: Option<[u32; 2]>,
+    /// The size of all lights, in place of their own: a diameter in metres, for directional lights an angular diameter in degrees.
+    pub light_size: Option<f32>,
+}
+
+impl LoadOptions {
+    /// Greatest size of lights: metres of a point or spot light.
+    pub const MAX_LIGHT_SIZE: f32 = 1e6;
+    /// Greatest angular diameter of a directional light in degrees: nearly half of the sky. What is greater counts as this.
+    pub const MAX_LIGHT_DEGREES: f32 = 179.0;
+
+    fn resize(&self, lights: &mut [Light]) {
+        let Some(size) = self.light_size else {
+            return;
+        };
+        for light in lights {
+            light.set_size(match light {
+                Light::Directional(_) => size.min(Self::MAX_LIGHT_DEGREES).to_radians(),
+                Light::Point(_) | Light::Spot(_) => size,
+            });
+        }
+    }
 }
 
 /// A scene, ready to be drawn.
@@ -76,9 +97,14 @@ pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Loaded, FileErro
 fn model_settings(scene: &Scene) -> SceneSettings {
     SceneSettings {
         sampling: Some(Sampling::Fixed { spp: MODEL_SPP }),
-        shadow_maps: vec![ShadowMapSettings::default(); scene.lights.len()],
+        shadow_maps: default_maps(&scene.lights),
         ..SceneSettings::default()
     }
+}
+
+fn default_maps(lights: &[Light]) -> Vec<ShadowMapSettings> {
+    let own = |light| ShadowMapOverrides::default().apply(light, ShadowMapSettings::default());
+    lights.iter().map(own).collect()
 }
 
 fn load_toml(
@@ -95,6 +121,7 @@ fn load_toml(
     }
     let resolution = options.resolution.or(settings.resolution);
     complete_scene(&mut scene, resolution, report);
+    options.resize(&mut scene.lights);
     settings.shadow_maps = shadow_maps.settings(&scene.lights);
     Ok((scene, settings))
 }
@@ -110,6 +137,7 @@ fn load_model(
     }
     let mut scene = import_model(path, report)?;
     complete_scene(&mut scene, options.resolution, report);
+    options.resize(&mut scene.lights);
     scene.validate().map_err(|error| {
         FileError::input(path, Place::File, format!("{:?}: {error}", error.element))
     })?;

@@ -22,9 +22,6 @@ pub(super) struct ShadowMapTable {
     pub filter: Option<String>,
     /// Maps of a directional light one behind the other, from 1 (default) to 8.
     pub cascades: Option<i64>,
-    /// Size of the light for the filter pcss, 0 by default: the diameter in metres, or for a directional light the angular
-    /// diameter in degrees, at most 180.
-    pub size: Option<f32>,
 }
 
 /// What somebody says of shadow maps; the rest stays as it is.
@@ -38,28 +35,17 @@ pub struct ShadowMapOverrides {
     pub filter: Option<ShadowFilter>,
     /// Depth images of a directional light.
     pub cascades: Option<u32>,
-    /// The diameter of a point or spot light in metres, the angular diameter of a directional light in degrees.
-    pub size: Option<f32>,
 }
 
 impl ShadowMapOverrides {
-    /// Greatest size: metres of a point or spot light.
-    pub const MAX_SIZE: f32 = 1e6;
-    /// Greatest angular diameter of a directional light in degrees: half of the sky. What is greater counts as this.
-    pub const MAX_DEGREES: f32 = 180.0;
-
-    /// The settings of `light` with what is said here in place of `base`'s.
+    /// The settings of `light`, which has the size, with what is said here in place of `base`'s.
     pub fn apply(&self, light: &Light, base: ShadowMapSettings) -> ShadowMapSettings {
-        let size = |size: f32| match light {
-            Light::Directional(_) => size.min(Self::MAX_DEGREES).to_radians(),
-            Light::Point(_) | Light::Spot(_) => size,
-        };
         ShadowMapSettings {
             resolution: self.resolution.unwrap_or(base.resolution),
             bias: self.bias.unwrap_or(base.bias),
             filter: self.filter.unwrap_or(base.filter),
             cascades: self.cascades.unwrap_or(base.cascades),
-            light_size: self.size.map_or(base.light_size, size),
+            light_size: light.size(),
         }
     }
 
@@ -69,7 +55,6 @@ impl ShadowMapOverrides {
             bias: self.bias.or(other.bias),
             filter: self.filter.or(other.filter),
             cascades: self.cascades.or(other.cascades),
-            size: self.size.or(other.size),
         }
     }
 }
@@ -146,22 +131,11 @@ fn read_table(
         let message = "`cascades` belong to directional lights; expected none here";
         return Err(Fault::new(at("cascades"), message));
     }
-    let most = match owner {
-        "directional_light" => ShadowMapOverrides::MAX_DEGREES,
-        _ => ShadowMapOverrides::MAX_SIZE,
-    };
-    if let Some(size) = table.size
-        && !(0.0..=most).contains(&size)
-    {
-        let message = format!("`size` is {size}; must be from 0 to {most}");
-        return Err(Fault::new(at("size"), message));
-    }
     Ok(ShadowMapOverrides {
         resolution: side(table.resolution, at("resolution"))?,
         bias: text(&table.bias, "bias", at("bias"))?,
         filter: text(&table.filter, "filter", at("filter"))?,
         cascades: cascades(table.cascades, at("cascades"))?,
-        size: table.size,
     })
 }
 

@@ -31,12 +31,14 @@ fn scene() -> Scene {
                 name: name.clone(),
                 direction: Vec3::new(0.6, -0.8, 0.0),
                 illuminance: color,
+                angle: 0.0,
             }),
             Light::Point(PointLight {
                 name: name.clone(),
                 position: Vec3::new(1.0, 2.0, 2.0),
                 intensity: color,
                 range: 3.0,
+                diameter: 0.0,
             }),
             Light::Spot(SpotLight {
                 name,
@@ -46,6 +48,7 @@ fn scene() -> Scene {
                 range: f32::INFINITY,
                 inner_angle: 0.1,
                 outer_angle: 0.3,
+                diameter: 0.0,
             }),
         ],
         ..Scene::default()

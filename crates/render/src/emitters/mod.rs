@@ -209,12 +209,12 @@ impl Emitters {
         let probability = chosen.probability;
         let placed = match chosen.light {
             Choice::Parallel(number) => {
-                return light_ray(&scene.lights[number as usize], p, probability);
+                return light_ray(&scene.lights[number as usize], p, probability, u);
             }
             Choice::Placed(number) => &self.placed[number as usize],
         };
         if let Emitter::Light(number) = placed.emitter {
-            return light_ray(&scene.lights[number as usize], p, probability);
+            return light_ray(&scene.lights[number as usize], p, probability, u);
         }
         let found = placed.emitter.sample(p, u);
         let pdf = found.pdf * probability;

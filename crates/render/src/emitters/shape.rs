@@ -1,8 +1,8 @@
 //! One thing that shines from one place: its shape in the world, its bounds, and directions towards it.
 
-use super::LightRay;
+use super::{ALMOST, LightRay};
 use crate::{
-    Instance, Light, LightBounds,
+    Instance, Light, LightBounds, LightSample,
     light_sampling::{
         DirectionSample, pdf_disk, pdf_rectangle, pdf_sphere, pdf_triangle, sample_disk,
         sample_rectangle, sample_sphere, sample_triangle,
@@ -65,10 +65,11 @@ impl Emitter {
 
 /// Where a light without extent is and how much it gives; `None` for parallel light.
 pub(super) fn light_bounds(light: &Light) -> Option<LightBounds> {
+    let reach = Vec3::splat(0.5 * light.size());
     let at = |position: Vec3, intensity: Vec3, axis, cos_normals, sphere: f32| LightBounds {
         aabb: Aabb {
-            min: position,
-            max: position,
+            min: position - reach,
+            max: position + reach,
         },
         axis,
         cos_normals,
@@ -90,14 +91,64 @@ pub(super) fn light_bounds(light: &Light) -> Option<LightBounds> {
     }
 }
 
-pub(super) fn light_ray(light: &Light, p: Vec3, probability: f32) -> Option<LightRay> {
-    light.sample(p).map(|sample| LightRay {
-        wi: sample.wi,
-        to_light: sample.to_light,
-        t_max: sample.t_max,
-        radiance: sample.illuminance / probability,
+/// A ray towards a light that was chosen with `probability`; towards a place on one with extent, by `u`.
+///
+/// A point or spot light's ball has the radiance that gives the light's intensity, and a directional light's disk in the sky the one that
+/// gives its illuminance, with `α` half of its angle:
+/// ```text
+/// L = I/(π r²)        L = E/(π sin² α)
+/// ```
+/// No ray that goes on meets them, so that they need no weighting against other ways of sampling.
+pub(super) fn light_ray(light: &Light, p: Vec3, probability: f32, u: Vec2) -> Option<LightRay> {
+    let center = light.sample(p)?;
+    if light.size() > 0.0 {
+        return Some(ray_to_body(light, &center, p, probability, u));
+    }
+    Some(LightRay {
+        wi: center.wi,
+        to_light: center.to_light,
+        t_max: center.t_max,
+        radiance: center.illuminance / probability,
         pdf: f32::INFINITY,
     })
+}
+
+fn ray_to_body(
+    light: &Light,
+    center: &LightSample,
+    p: Vec3,
+    probability: f32,
+    u: Vec2,
+) -> LightRay {
+    let (found, radiance, t_max) = match light {
+        Light::Directional(light) => {
+            // The ball of this radius around the end of the unit vector fills the cone.
+            let radius = (0.5 * light.angle).sin();
+            let found = sample_sphere(Vec3::ZERO, center.wi, radius, u);
+            let radiance = center.illuminance / (PI * radius * radius);
+            (
+                DirectionSample {
+                    distance: 1.0,
+                    ..found
+                },
+                radiance,
+                f32::INFINITY,
+            )
+        }
+        Light::Point(_) | Light::Spot(_) => {
+            let radius = 0.5 * light.size();
+            let found = sample_sphere(p, p + center.to_light, radius, u);
+            let intensity = center.illuminance * center.to_light.length_squared();
+            (found, intensity / (PI * radius * radius), ALMOST)
+        }
+    };
+    LightRay {
+        wi: found.wi,
+        to_light: found.wi * found.distance,
+        t_max,
+        radiance: radiance / (found.pdf * probability),
+        pdf: f32::INFINITY,
+    }
 }
 
 pub(super) fn world_triangle(t: &Triangle, transform: &Affine3A) -> Triangle {

@@ -28,7 +28,7 @@ pub fn sample_sphere(p: Vec3, center: Vec3, radius: f32, u: Vec2) -> DirectionSa
     let wi = (x * (sin * cos_phi) + y * (sin * sin_phi) + axis * cos).normalize();
     DirectionSample {
         wi,
-        distance: distance_to(to_center, radius, wi),
+        distance: distance_to(p, to_center, radius, wi),
         pdf: 1.0 / (TAU * height),
     }
 }
@@ -50,17 +50,23 @@ fn cone_height(to_center: Vec3, radius: f32) -> f32 {
     }
 }
 
-/// The first distance of the sphere in the direction `wi`; for directions that miss by rounding, that of the nearest approach.
+/// The first distance of the sphere in the direction `wi`, less what rounding may take off it where the direction grazes the sphere: a ray that
+/// ends there does not meet it. For directions that miss by rounding, that of the nearest approach.
 #[inline(always)]
-fn distance_to(to_center: Vec3, radius: f32, wi: Vec3) -> f32 {
+fn distance_to(p: Vec3, to_center: Vec3, radius: f32, wi: Vec3) -> f32 {
     let along = to_center.dot(wi);
     let aside2 = (to_center - wi * along).length_squared();
     let half = (radius * radius - aside2).max(0.0).sqrt();
-    if to_center.length_squared() > radius * radius {
+    // Points are known to a few ulps of their coordinates; along a ray that is more by the inverse cosine, radius over half chord.
+    let error = 4.0 * f32::EPSILON * (p.abs().max_element() + radius);
+    let rounding = error * radius / half.max(error);
+    // A point of the sphere itself sees the far side, on whichever side of it rounding left the point.
+    let first = if along - half > rounding {
         along - half
     } else {
         along + half
-    }
+    };
+    (first - rounding).max(0.5 * first)
 }
 
 /// The solid angle of the sphere, at most 4π, by [`cone_height`].

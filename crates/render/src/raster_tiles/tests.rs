@@ -68,12 +68,14 @@ fn scene() -> Scene {
                 name: String::new(),
                 direction: Vec3::new(0.3, -0.8, 0.2).normalize(),
                 illuminance: Vec3::new(2.0, 1.9, 1.5),
+                angle: 0.0,
             }),
             Light::Point(PointLight {
                 name: String::new(),
                 position: Vec3::new(0.5, 1.0, 1.0),
                 intensity: Vec3::ONE,
                 range: f32::INFINITY,
+                diameter: 0.0,
             }),
         ],
         ..Scene::default()

@@ -252,12 +252,14 @@ mod tests {
                 name: name.clone(),
                 direction,
                 illuminance: intensity,
+                angle: 0.0,
             }),
             Light::Point(PointLight {
                 name: name.clone(),
                 position,
                 intensity,
                 range,
+                diameter: 0.0,
             }),
             Light::Spot(SpotLight {
                 name,
@@ -267,6 +269,7 @@ mod tests {
                 range,
                 inner_angle: 0.1,
                 outer_angle: 0.6,
+                diameter: 0.0,
             }),
         ];
         scene

@@ -140,6 +140,7 @@ pub(crate) fn point_light(position: Vec3, intensity: f32) -> Light {
         position,
         intensity: Vec3::splat(intensity),
         range: f32::INFINITY,
+        diameter: 0.0,
     })
 }
 
@@ -148,6 +149,7 @@ pub(crate) fn sun(direction: Vec3, illuminance: f32) -> Light {
         name: String::new(),
         direction: direction.normalize(),
         illuminance: Vec3::splat(illuminance),
+        angle: 0.0,
     })
 }
 

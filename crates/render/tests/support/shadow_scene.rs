@@ -104,6 +104,7 @@ pub(crate) fn tori(segments: [u32; 2], boxes: bool) -> Scene {
         name: String::new(),
         direction: -Vec3::new(8.0, 14.0, 6.0).normalize(),
         illuminance: Vec3::splat(3.0),
+        angle: 0.0,
     }));
     scene
 }
@@ -155,6 +156,7 @@ pub(crate) fn spot(position: Vec3, direction: Vec3, outer_angle: f32) -> Light {
         range: f32::INFINITY,
         inner_angle: 0.1,
         outer_angle,
+        diameter: 0.0,
     })
 }
 
