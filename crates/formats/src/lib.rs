@@ -6,6 +6,7 @@
 //! | glTF, GLB, OBJ, PLY, STL | [`Scene`](render::Scene) as it is in the file | [`import_model`] |
 //! | a scene without camera or light | one with both | [`complete_scene`] |
 //! | PNG, JPEG | texture | [`load_texture`] |
+//! | Radiance HDR, EXR | surroundings | [`load_environment`] |
 //! | picture | PNG, EXR | [`encode_png`], [`encode_exr`], then [`write_file`] |
 //! | PNG, EXR | picture | [`read_image`] |
 //!
@@ -15,6 +16,7 @@
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 mod complete;
+mod environment_file;
 mod error;
 mod exr;
 mod folder;
@@ -37,6 +39,7 @@ mod write;
 
 pub use self::exr::{ExrInfo, encode_exr};
 pub use complete::complete_scene;
+pub use environment_file::load_environment;
 pub use error::{ErrorKind, FileError, Place};
 pub use import::import_model;
 pub use png::encode_png;

@@ -60,7 +60,7 @@ fn read_png(path: &Path, bytes: &[u8]) -> Result<Image, FileError> {
     })
 }
 
-fn read_exr(path: &Path, bytes: &[u8]) -> Result<Image, FileError> {
+pub(crate) fn read_exr(path: &Path, bytes: &[u8]) -> Result<Image, FileError> {
     let bad =
         |error: exr::error::Error| FileError::input(path, Place::File, format!("bad EXR: {error}"));
     let meta = exr::meta::MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(bad)?;

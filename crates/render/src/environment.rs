@@ -1,5 +1,6 @@
 //! What is around the scene: the sky.
 
+use crate::Irradiance;
 use umbriel_kernels::glam::Vec3;
 
 /// A sky whose radiance changes linearly with the height of the direction.
@@ -18,6 +19,8 @@ pub struct Environment {
     /// Uniform radiance that ray casting and Whitted's method add in place of indirect light; `None`
     /// takes it from the sky.
     pub ambient: Option<Vec3>,
+    /// The irradiance of the scene's map, which then stands for `zenith` and `nadir`.
+    pub map: Option<Irradiance>,
 }
 
 impl Environment {
@@ -34,12 +37,15 @@ impl Environment {
     /// ```text
     /// E/π = nadir + (zenith − nadir)·(1 + ⅔ n.y)/2
     /// ```
-    /// The `ambient` constant, where given, takes its place.
+    /// With a map it is that of the map. The `ambient` constant, where given, takes the place of either.
     ///
     /// Source: Ramamoorthi & Hanrahan, "An Efficient Representation for Irradiance Environment Maps",
     /// SIGGRAPH 2001 (the factor ⅔ of the linear band).
     #[inline(always)]
     pub fn ambient(&self, n: Vec3) -> Vec3 {
+        if let (Some(map), None) = (&self.map, self.ambient) {
+            return map.at(n);
+        }
         let (nadir, zenith) = match self.ambient {
             Some(ambient) => (ambient, ambient),
             None => (self.nadir, self.zenith),
@@ -49,7 +55,8 @@ impl Environment {
 
     /// Tells whether neither sky nor ambient light has any radiance.
     pub fn is_black(&self) -> bool {
-        [self.zenith, self.nadir, self.ambient.unwrap_or_default()] == [Vec3::ZERO; 3]
+        self.map.is_none()
+            && [self.zenith, self.nadir, self.ambient.unwrap_or_default()] == [Vec3::ZERO; 3]
     }
 }
 
@@ -65,6 +72,7 @@ mod tests {
             zenith: Vec3::new(0.2, 0.5, 1.0),
             nadir: Vec3::new(0.4, 0.3, 0.1),
             ambient: None,
+            map: None,
         };
         for n in [Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::new(0.6, 0.48, 0.64)] {
             let (tangent, bitangent) = n.any_orthonormal_pair();

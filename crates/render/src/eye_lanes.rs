@@ -1,6 +1,6 @@
 //! Patches of a rasterised tile, shaded straight from the numbers of their triangles: no ray is stored, no pixel is moved.
 
-use crate::{CameraFrame, Environment, Mesh, color::Developer, shade_block::ShadeBlock};
+use crate::{CameraFrame, Mesh, Scene, color::Developer, shade_block::ShadeBlock};
 use umbriel_kernels::{
     LANES, Ray, TileImage, Vec3Lanes, VectorUnit,
     glam::{Affine3A, Vec2, Vec3},
@@ -154,10 +154,16 @@ impl EyeLanes {
 
     /// Gives the lanes of a mask the sky's radiance. To be called within [`VectorUnit::run`].
     #[inline(always)]
-    pub(crate) fn see_sky(&mut self, environment: &Environment, lanes: u64) {
-        for i in 0..LANES {
-            let sky = environment.radiance(self.dir.get(i));
-            self.sum.set(i, Vec3::ZERO + sky);
+    pub(crate) fn see_sky(&mut self, scene: &Scene, lanes: u64) {
+        if scene.environment_map.is_some() {
+            for i in 0..LANES {
+                self.sum.set(i, Vec3::ZERO + scene.sky(self.dir.get(i)));
+            }
+        } else {
+            for i in 0..LANES {
+                let sky = scene.environment.radiance(self.dir.get(i));
+                self.sum.set(i, Vec3::ZERO + sky);
+            }
         }
         self.take(lanes);
     }

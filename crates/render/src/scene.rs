@@ -1,7 +1,13 @@
 //! The scene: plain vectors, linked by typed indices.
 
-use crate::{Camera, Environment, Light, Material, MaterialId, Mesh, MeshId, SurfaceId, Texture};
-use umbriel_kernels::{Surface, glam::Affine3A};
+use crate::{
+    Camera, Environment, EnvironmentMap, Light, Material, MaterialId, Mesh, MeshId, SurfaceId,
+    Texture,
+};
+use umbriel_kernels::{
+    Surface,
+    glam::{Affine3A, Vec3},
+};
 
 /// Everything that a picture is made of. One model for all algorithms.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +28,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// The sky.
     pub environment: Environment,
+    /// What is around in place of the sky's colours; see [`Scene::surround`].
+    pub environment_map: Option<EnvironmentMap>,
 }
 
 /// What an instance is made of.
@@ -47,4 +55,21 @@ pub struct Instance {
     /// Turns the surface inside out: its outside counts as the inside of its material. A sphere so
     /// turned is a bubble in glass.
     pub inside_out: bool,
+}
+
+impl Scene {
+    /// Puts a map around the scene, for all methods: seen, and as ambient light.
+    pub fn surround(&mut self, map: EnvironmentMap) {
+        self.environment.map = Some(map.irradiance());
+        self.environment_map = Some(map);
+    }
+
+    /// The radiance that arrives from the unit direction `dir` where nothing stands, in nit.
+    #[inline(always)]
+    pub(crate) fn sky(&self, dir: Vec3) -> Vec3 {
+        match &self.environment_map {
+            Some(map) => map.radiance(dir),
+            None => self.environment.radiance(dir),
+        }
+    }
 }

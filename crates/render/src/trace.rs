@@ -189,11 +189,11 @@ impl<'a> Tracer<'a> {
 
     /// Rays that hit nothing see the sky.
     fn see_sky(&self, radiance: &mut [Vec3]) {
-        let environment = &self.bvh.scene().environment;
+        let scene = self.bvh.scene();
         let rays = self.queue.rays.iter().zip(&self.queue.states);
         for ((ray, state), hit) in rays.zip(&self.hits) {
             if hit.is_none() {
-                radiance[state.sample as usize] += state.weight * environment.radiance(ray.dir);
+                radiance[state.sample as usize] += state.weight * scene.sky(ray.dir);
             }
         }
     }
@@ -269,7 +269,7 @@ impl<'a> Tracer<'a> {
             #[inline(always)]
             || {
                 if covered != u64::MAX {
-                    self.eye.see_sky(&self.bvh.scene().environment, !covered);
+                    self.eye.see_sky(self.bvh.scene(), !covered);
                 }
                 self.eye.drop_bad(patch)
             },

@@ -48,6 +48,7 @@ fn glass_reflects_by_fresnel() {
         zenith: Vec3::ONE * 2.0,
         nadir: Vec3::ZERO,
         ambient: Some(Vec3::ZERO),
+        map: None,
     };
     let mut scene = Scene {
         environment,

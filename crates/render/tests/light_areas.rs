@@ -5,7 +5,8 @@ mod support;
 use std::f32::consts::PI;
 use support::{add_mesh, add_surface, floor, look, matte, path_scene::paths, sky};
 use umbriel_render::{
-    Camera, DirectionalLight, Light, Material, Mesh, PointLight, Scene, Settings, SpotLight,
+    Camera, DirectionalLight, EnvironmentMap, Light, Material, Mesh, PointLight, Scene, Settings,
+    SpotLight,
     kernels::{
         Disk, Plane, Rectangle, Sphere, Surface,
         glam::{DVec3, Vec3},
@@ -13,7 +14,7 @@ use umbriel_render::{
 };
 
 /// Samples of the one pixel.
-const SAMPLES: u32 = 4096;
+const SAMPLES: u32 = 16_384;
 
 fn lamp(radiance: f32) -> Material {
     Material {
@@ -228,9 +229,37 @@ fn closed_furnace() {
         let camera = Camera::look_at("eye", Vec3::new(0.0, 0.3, 1.5), target, Vec3::X, 0.1);
         let settings = Settings {
             depth: 64,
-            ..paths([1, 1], 16 * SAMPLES, 5)
+            ..paths([1, 1], 4 * SAMPLES, 5)
         };
         let found = look(&scene, &camera, &settings);
         assert!((found.x - 1.0).abs() < 1e-3, "{target}: {found}");
     }
+}
+
+/// A map of one bright texel gives what a sun of the same illuminance gives; one of a single colour what a sky gives.
+#[test]
+fn maps() {
+    let (width, height) = (64, 32);
+    let mut texels = vec![Vec3::ZERO; width * height];
+    let (x, y) = (40, 9);
+    texels[y * width + x] = Vec3::splat(1000.0);
+    let map = EnvironmentMap::new(width, height, texels, 0.4).expect("it has texels");
+    // The bilinear image of a texel is a pyramid over two by two: as much light as the texel alone, but for the curve of the sphere.
+    let mut scene = white_floor();
+    let expected: f64 = (0..1_000_000)
+        .map(|i| {
+            let (u, v) = ((i % 1000) as f32 + 0.5, (i / 1000) as f32 + 0.5);
+            let (sin, cos) = (PI / 1000.0 * v / 2.0).sin_cos();
+            let (sin_phi, cos_phi) = (2.0 * PI / 1000.0 * u).sin_cos();
+            let dir = Vec3::new(sin * sin_phi, cos, sin * cos_phi);
+            let area = (PI / 2000.0) * (2.0 * PI / 1000.0) * sin;
+            f64::from(map.radiance(dir).x * cos * area)
+        })
+        .sum();
+    scene.surround(map);
+    assert_lit(&scene, expected as f32, "one texel");
+    let mut scene = white_floor();
+    let even = EnvironmentMap::new(2, 1, vec![Vec3::splat(0.7); 2], 0.0);
+    scene.surround(even.expect("it has texels"));
+    assert_lit(&scene, PI * 0.7, "one colour");
 }

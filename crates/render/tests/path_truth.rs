@@ -120,6 +120,7 @@ fn daylight_converges() {
         zenith: Vec3::new(0.6, 0.8, 1.2),
         nadir: Vec3::splat(0.2),
         ambient: Some(Vec3::ZERO),
+        map: None,
     };
     assert_converges(&scene, &room_eye(), "daylight");
 }

@@ -11,8 +11,8 @@ use umbriel_render::kernels::{
     glam::{Affine3A, Vec3},
 };
 use umbriel_render::{
-    Camera, DirectionalLight, Element, Environment, Geometry, Instance, Light, MaterialId,
-    PointLight, Projection, Scene, SceneError, SpotLight, SurfaceId, TextureId,
+    Camera, DirectionalLight, Element, Geometry, Instance, Light, MaterialId, PointLight,
+    Projection, Scene, SceneError, SpotLight, SurfaceId, TextureId,
 };
 
 /// One table of a document: where something of the scene comes from.
@@ -133,41 +133,6 @@ impl Builder<'_> {
             &fields,
             format!("`{}` {}", error.field, error.message),
         )
-    }
-
-    /// The first part that says something of the sky says all of it.
-    fn add_environment(&mut self) -> Result<(), FileError> {
-        for (part, content) in self.parts.iter().enumerate().rev() {
-            let table = &content.document.environment;
-            if table
-                .color
-                .or(table.zenith)
-                .or(table.nadir)
-                .or(table.ambient)
-                .is_none()
-            {
-                continue;
-            }
-            let spot = Spot {
-                part,
-                table: "environment",
-                index: None,
-            };
-            if table.color.is_some() && table.zenith.or(table.nadir).is_some() {
-                let message = "`color` stands for `zenith` and `nadir`; expected either it or them";
-                return Err(self.fault(spot, &["color"], message));
-            }
-            let color = |own: Option<super::values::Color>| {
-                own.or(table.color).map_or(Vec3::ZERO, Vec3::from)
-            };
-            self.scene.environment = Environment {
-                zenith: color(table.zenith),
-                nadir: color(table.nadir),
-                ambient: table.ambient.map(Vec3::from),
-            };
-            self.origins.insert(Element::Environment, spot);
-        }
-        Ok(())
     }
 
     fn add_surfaces(&mut self) -> Result<(), FileError> {

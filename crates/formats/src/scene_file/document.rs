@@ -152,6 +152,12 @@ pub(super) struct EnvironmentTable {
     pub nadir: Option<Color>,
     /// Uniform radiance in place of indirect light; by default it is taken from the sky.
     pub ambient: Option<Color>,
+    /// Path of a picture of all directions in place of colours: Radiance HDR or EXR, latitude by longitude, its middle straight ahead (−z).
+    pub map: Option<String>,
+    /// By how much the map's radiance is multiplied; 1 by default.
+    pub strength: Option<f32>,
+    /// Degrees by which the map is turned about the upright axis; positive takes what is ahead to the left. 0 by default.
+    pub rotation: Option<f32>,
 }
 
 /// A view.

@@ -3,6 +3,7 @@
 mod convert;
 mod diagnose;
 mod document;
+mod environment;
 mod implicit;
 mod include;
 mod material_table;

@@ -6,7 +6,7 @@ mod shape;
 
 pub(crate) use lanes::LightLanes;
 
-use crate::{AlphaMode, Geometry, Instance, LightBounds, LightTree, Scene};
+use crate::{AlphaMode, EnvironmentMap, Geometry, Instance, LightBounds, LightTree, Scene};
 use shape::{
     Emitter, emitter_box, light_bounds, light_ray, outward_sign, world_surface, world_triangle,
 };
@@ -58,6 +58,8 @@ enum Choice {
     Parallel(u32),
     /// By its position in [`Emitters::placed`].
     Placed(u32),
+    /// The map around the scene.
+    Sky,
 }
 
 /// The lights of a scene and its glowing surfaces.
@@ -65,6 +67,8 @@ enum Choice {
 pub(crate) struct Emitters {
     placed: Vec<Placed>,
     tree: LightTree,
+    /// The probability with which the map around the scene is chosen.
+    sky_share: f32,
     /// Lights without a place, by their position in [`Scene::lights`].
     parallel: Vec<u32>,
     /// The first of the emitters of each instance, which stand in the order of its primitives.
@@ -100,6 +104,10 @@ impl Emitters {
             emitters.first.push(any.then_some(first as u32));
         }
         emitters.tree = LightTree::build(&bounds);
+        let map = scene.environment_map.as_ref();
+        if map.is_some_and(|map| !map.is_black()) {
+            emitters.sky_share = if emitters.is_empty() { 1.0 } else { 0.5 };
+        }
         emitters
     }
 
@@ -162,7 +170,7 @@ impl Emitters {
 
     /// Whether there is nothing to aim at.
     pub(crate) fn is_empty(&self) -> bool {
-        self.placed.is_empty() && self.parallel.is_empty()
+        self.placed.is_empty() && self.parallel.is_empty() && self.sky_share == 0.0
     }
 
     /// The share of the choices that goes to lights without a place.
@@ -187,20 +195,28 @@ impl Emitters {
     /// Chooses the light.
     #[inline]
     fn choose(&self, p: Vec3, n: Option<Vec3>, choice: f32) -> Option<Chosen> {
+        if choice < self.sky_share {
+            return Some(Chosen {
+                light: Choice::Sky,
+                probability: self.sky_share,
+            });
+        }
+        let rest = 1.0 - self.sky_share;
+        let choice = rescale(choice - self.sky_share, rest);
         let share = self.parallel_share();
         if choice < share {
             let count = self.parallel.len();
             let number = self.parallel[((choice / share * count as f32) as usize).min(count - 1)];
             return Some(Chosen {
                 light: Choice::Parallel(number),
-                probability: share / count as f32,
+                probability: rest * share / count as f32,
             });
         }
-        let choice = ((choice - share) / (1.0 - share)).clamp(0.0, 1.0 - f32::EPSILON);
+        let choice = rescale(choice - share, 1.0 - share);
         let (number, probability) = self.tree.sample(p, n, choice)?;
         Some(Chosen {
             light: Choice::Placed(number),
-            probability: probability * (1.0 - share),
+            probability: probability * (rest * (1.0 - share)),
         })
     }
 
@@ -212,6 +228,7 @@ impl Emitters {
                 return light_ray(&scene.lights[number as usize], p, probability, u);
             }
             Choice::Placed(number) => &self.placed[number as usize],
+            Choice::Sky => return sky_ray(scene.environment_map.as_ref()?, probability, u),
         };
         if let Emitter::Light(number) = placed.emitter {
             return light_ray(&scene.lights[number as usize], p, probability, u);
@@ -250,6 +267,30 @@ impl Emitters {
             return 0.0;
         }
         let choice = self.tree.probability(p, n, number);
-        density * choice * (1.0 - self.parallel_share())
+        density * choice * ((1.0 - self.sky_share) * (1.0 - self.parallel_share()))
     }
+
+    /// The density in 1/sr with which [`Emitters::sample`] chooses the unit direction `dir` for the map around the scene.
+    pub(crate) fn sky_pdf(&self, scene: &Scene, dir: Vec3) -> f32 {
+        let map = scene.environment_map.as_ref();
+        self.sky_share * map.map_or(0.0, |map| map.pdf(dir))
+    }
+}
+
+/// A random number in `[0, whole)` as one in `[0, 1)`, whatever rounding makes of it.
+#[inline(always)]
+fn rescale(number: f32, whole: f32) -> f32 {
+    (number / whole).clamp(0.0, 1.0 - f32::EPSILON)
+}
+
+fn sky_ray(map: &EnvironmentMap, probability: f32, u: Vec2) -> Option<LightRay> {
+    let (wi, density) = map.sample(u)?;
+    let pdf = density * probability;
+    Some(LightRay {
+        wi,
+        to_light: wi,
+        t_max: f32::INFINITY,
+        radiance: map.radiance(wi) / pdf,
+        pdf,
+    })
 }

@@ -123,11 +123,25 @@ impl<'a> PathTracer<'a> {
         }
     }
 
+    /// The share of the sky's light that the path brings, where the rest comes from rays aimed at it.
+    fn sky_share(&self, state: &PathState, dir: Vec3) -> f32 {
+        if state.pdf == f32::INFINITY && !state.bent {
+            return 1.0;
+        }
+        let aimed = self.emitters.sky_pdf(self.bvh.scene(), dir);
+        match aimed > 0.0 {
+            true if state.bent => 0.0,
+            true => state.pdf / (state.pdf + aimed),
+            false => 1.0,
+        }
+    }
+
     fn see_sky(&self, radiance: &mut [SampleLight]) {
-        let environment = &self.bvh.scene().environment;
+        let scene = self.bvh.scene();
         for ((ray, state), hit) in self.rays.iter().zip(&self.states).zip(&self.hits) {
             if hit.is_none() {
-                let sky = state.weight * environment.radiance(ray.dir);
+                let share = self.sky_share(state, ray.dir);
+                let sky = state.weight * scene.sky(ray.dir) * share;
                 radiance[state.slot as usize].add(state.depth, sky);
             }
         }

@@ -62,6 +62,7 @@ fn scene() -> Scene {
             zenith: Vec3::new(0.2, 0.3, 0.5),
             nadir: Vec3::splat(0.1),
             ambient: None,
+            map: None,
         },
         lights: vec![
             Light::Directional(DirectionalLight {

@@ -158,6 +158,7 @@ pub(crate) fn sky(radiance: Vec3) -> Environment {
         zenith: radiance,
         nadir: radiance,
         ambient: Some(Vec3::ZERO),
+        map: None,
     }
 }
 
