@@ -183,7 +183,7 @@ fn the_everything_file_has_every_key() {
         if !written
             && ![
                 "include", "file", "image", "encoding", "wrap", "filter", "mesh", "model", "spp",
-                "color",
+                "color", "map", "strength",
             ]
             .contains(&key.as_str())
         {
