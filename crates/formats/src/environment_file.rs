@@ -80,8 +80,11 @@ fn mend(texels: &mut [Vec3], path: &Path, report: &mut Report) {
     for texel in texels.iter_mut() {
         dark += usize::from(texel.to_array().iter().any(|c| !(*c >= 0.0)));
         bright += usize::from(texel.to_array().iter().any(|c| *c > BRIGHTEST));
-        // The larger of NaN and 0 is 0.
-        *texel = Vec3::from(texel.to_array().map(|c| c.max(0.0).min(BRIGHTEST)));
+        *texel = Vec3::from(
+            texel
+                .to_array()
+                .map(|c| if c >= 0.0 { c.min(BRIGHTEST) } else { 0.0 }),
+        );
     }
     let mut note = |count: usize, what: &str| {
         if count > 0 {

@@ -69,7 +69,7 @@ pub fn render_with_maps(
     maps: Option<&ShadowMaps>,
     control: &Control,
 ) -> Film {
-    if settings.method == Method::Path {
+    if settings.method.is_random() {
         return path_film::render(bvh, camera, settings, control);
     }
     let job = Job::new(camera, settings, control);

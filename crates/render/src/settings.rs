@@ -17,6 +17,17 @@ pub enum Method {
     /// Rays that go on at random from every surface, and rays to lights at random: all light that reaches the eye, with noise (Kajiya 1986).
     /// The picture grows by passes ([`PathFilm`](crate::PathFilm)). [`Sampling::Adaptive`] counts as 1 sample a pixel.
     Path,
+    /// Whitted's tree with its rays spread: shadow rays over the lights' areas, mirrored and refracted rays over the lobes of rough surfaces. Light
+    /// between matte surfaces is the sky's, as in Whitted's method (Cook, Porter & Carpenter 1984). At each surface one of
+    /// the rays goes on, at random, and the picture grows by passes as that of paths.
+    Distributed,
+}
+
+impl Method {
+    /// Whether pictures are means of random samples, and grow by passes.
+    pub fn is_random(self) -> bool {
+        matches!(self, Self::Path | Self::Distributed)
+    }
 }
 
 /// Where in a pixel the eye rays go.
@@ -93,7 +104,9 @@ impl Settings {
     pub fn glass(&self) -> GlassShadows {
         self.glass_shadows.unwrap_or(match self.method {
             Method::Path => GlassShadows::Opaque,
-            Method::RayCast | Method::Whitted | Method::ShadowMap => GlassShadows::Filtered,
+            Method::RayCast | Method::Whitted | Method::ShadowMap | Method::Distributed => {
+                GlassShadows::Filtered
+            }
         })
     }
 }

@@ -136,7 +136,7 @@ impl ShadeBlock {
                     ray_cast::shade(&scene.environment, &mut self.surfaces, &mut self.ambient);
                     true
                 }
-                Method::Whitted | Method::Path => {
+                Method::Whitted | Method::Path | Method::Distributed => {
                     whitted::ambient(&scene.environment, &self.surfaces, &mut self.ambient)
                 }
             };

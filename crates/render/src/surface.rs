@@ -344,6 +344,7 @@ pub(crate) fn material_at(
         },
         thin_walled: material.thin_walled,
         unlit: material.unlit,
+        is_glossy: false,
         layers: material
             .has_layers()
             .then(|| layers_at(scene, material, uvs)),

@@ -196,6 +196,7 @@ impl SurfaceLanes {
                 eta: self.eta[i],
                 thin_walled: self.thin_walled,
                 unlit: self.unlit,
+                is_glossy: false,
                 layers: None,
             },
         }

@@ -206,7 +206,7 @@ impl<'a> Tracer<'a> {
         let at_once = match self.settings.method {
             Method::ShadowMap => true,
             Method::RayCast => !self.settings.shadows,
-            Method::Whitted | Method::Path => false,
+            Method::Whitted | Method::Path | Method::Distributed => false,
         };
         let lights = &self.bvh.scene().lights;
         self.groups.sort(&self.hits, instances);

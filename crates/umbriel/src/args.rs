@@ -271,6 +271,8 @@ pub(crate) enum MethodName {
     Path,
     /// Depth images from the lights tell what is lit (Williams 1978)
     ShadowMap,
+    /// Whitted's rays spread over lights and rough lobes (Cook 1984)
+    Distributed,
 }
 
 impl From<MethodName> for Method {
@@ -279,6 +281,7 @@ impl From<MethodName> for Method {
             MethodName::RayCast => Self::RayCast,
             MethodName::Whitted => Self::Whitted,
             MethodName::Path => Self::Path,
+            MethodName::Distributed => Self::Distributed,
             MethodName::ShadowMap => Self::ShadowMap,
         }
     }

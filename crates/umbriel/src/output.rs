@@ -81,6 +81,7 @@ pub(crate) fn method_name(method: Method) -> &'static str {
         Method::RayCast => "ray-cast",
         Method::Whitted => "whitted",
         Method::Path => "path",
+        Method::Distributed => "distributed",
         Method::ShadowMap => "shadow-map",
     }
 }

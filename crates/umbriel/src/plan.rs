@@ -162,10 +162,10 @@ fn check_method(args: &RenderArgs, method: Method) -> Result<(), Failure> {
     ];
     let given = grows.iter().find(|(_, given)| *given);
     match (method, given) {
-        (Method::Path, _) if args.adaptive.is_some() => Err(Failure::usage(
+        (Method::Path | Method::Distributed, _) if args.adaptive.is_some() => Err(Failure::usage(
             "--adaptive divides the pixels of the other methods; expected --noise with --method path",
         )),
-        (Method::Path, _) | (_, None) => Ok(()),
+        (Method::Path | Method::Distributed, _) | (_, None) => Ok(()),
         (_, Some((option, _))) => Err(Failure::usage(format!(
             "{option} is about pictures that grow by passes of samples; expected --method path"
         ))),
@@ -175,7 +175,7 @@ fn check_method(args: &RenderArgs, method: Method) -> Result<(), Failure> {
 /// The layers asked for; `all` are those that the method has.
 fn choose_aovs(args: &RenderArgs, method: Method) -> Result<Vec<Aov>, Failure> {
     let asked = args.aov.as_deref().unwrap_or_default();
-    let has = |aov: &Aov| method == Method::Path || !aov.is_of_samples();
+    let has = |aov: &Aov| method.is_random() || !aov.is_of_samples();
     match asked.iter().find(|aov| !has(aov)) {
         Some(aov) if asked.len() < Aov::ALL.len() => Err(Failure::usage(format!(
             "--aov: {} comes from samples of paths; expected --method path",
@@ -199,7 +199,7 @@ fn sampling(args: &RenderArgs, scene: &SceneSettings) -> Option<Sampling> {
     if let Some(spp) = args.spp {
         return Some(Sampling::Fixed { spp });
     }
-    if method(args, scene) == Method::Path {
+    if method(args, scene).is_random() {
         return Some(Sampling::Fixed {
             spp: path_samples(args, scene),
         });
@@ -266,7 +266,7 @@ pub(crate) fn check_memory(
 /// What a pixel keeps for its samples, in bytes.
 pub(crate) fn sample_bytes(plan: &Plan) -> u64 {
     match plan.settings.method {
-        Method::Path => PathFilm::pixel_bytes(plan.settings.split_light),
+        Method::Path | Method::Distributed => PathFilm::pixel_bytes(plan.settings.split_light),
         _ => 0,
     }
 }

@@ -221,7 +221,7 @@ fn trace(
     camera: &Camera,
     (maps, show): (Option<&ShadowMaps>, Option<&ShowPlan>),
 ) -> ShownFilm {
-    let by_pixels = job.plan.settings.method != Method::Path;
+    let by_pixels = !job.plan.settings.method.is_random();
     let progress = Progress::new(job.args.quiet, by_pixels);
     let control = Control {
         stop: &STOP,
@@ -231,14 +231,14 @@ fn trace(
     interrupt::enter(Phase::Rendering);
     let mut shown = pool.install(|| match (maps, show) {
         (Some(maps), Some(show)) => show::draw(show, plan, bvh, camera, maps, &control),
-        _ if plan.settings.method == Method::Path => growing::draw(job, bvh, camera, &control),
+        _ if plan.settings.method.is_random() => growing::draw(job, bvh, camera, &control),
         _ => {
             let settings = &plan.settings;
             ShownFilm::from(render_with_maps(bvh, camera, settings, maps, &control))
         }
     });
     progress.finish();
-    let with_layers = plan.settings.method == Method::Path || plan.aovs.is_empty();
+    let with_layers = plan.settings.method.is_random() || plan.aovs.is_empty();
     if !with_layers && !interrupt::stopped() {
         let layers = pool.install(|| render_aovs(bvh, camera, &plan.settings, &plan.aovs));
         shown.layers.extend(layers);

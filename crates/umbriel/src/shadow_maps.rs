@@ -155,7 +155,7 @@ pub(crate) fn idle_shadow_options(
         (args.filter.is_some(), "--shadow-filter"),
         (args.cascades.is_some(), "--cascades"),
         (
-            args.light_size.is_some() && settings.method != Method::Path,
+            args.light_size.is_some() && !settings.method.is_random(),
             "--light-size",
         ),
     ];

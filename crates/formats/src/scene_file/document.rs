@@ -114,6 +114,8 @@ pub(super) enum MethodName {
     ShadowMap,
     /// Rays that go on at random, from surface to surface (Kajiya 1986).
     Path,
+    /// Whitted's rays spread over lights and rough lobes (Cook 1984).
+    Distributed,
 }
 
 /// What a shadow ray does at glass.

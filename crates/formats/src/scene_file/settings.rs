@@ -90,6 +90,7 @@ fn read_table(table: &RenderTable, source: &Source) -> Result<SceneSettings, Fau
             MethodName::RayCast => Method::RayCast,
             MethodName::Whitted => Method::Whitted,
             MethodName::Path => Method::Path,
+            MethodName::Distributed => Method::Distributed,
             MethodName::ShadowMap => Method::ShadowMap,
         }),
         resolution: resolution(table, at("resolution"))?,

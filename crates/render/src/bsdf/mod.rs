@@ -49,6 +49,8 @@ pub struct Bsdf {
     pub thin_walled: bool,
     /// Shows `base_color` without light.
     pub unlit: bool,
+    /// Without the diffuse lobe, see [`Bsdf::glossy`].
+    pub is_glossy: bool,
     /// Specular colour, film, brush, sheen and coat, where there are any.
     pub layers: Option<Layers>,
 }
@@ -67,6 +69,7 @@ impl Default for Bsdf {
             eta: 1.5,
             thin_walled: false,
             unlit: false,
+            is_glossy: false,
             layers: None,
         }
     }
@@ -107,7 +110,21 @@ impl Bsdf {
     /// The part of the base colour that is scattered diffusely.
     #[inline(always)]
     pub fn diffuse_color(&self) -> Vec3 {
-        self.base_color * ((1.0 - self.metallic) * (1.0 - self.transmission))
+        let scattered = if self.is_glossy { 0.0 } else { 1.0 };
+        self.base_color * (scattered * (1.0 - self.metallic) * (1.0 - self.transmission))
+    }
+
+    /// The material without its diffuse lobe and its sheen: what mirrors and refracts, sharply or not.
+    pub fn glossy(&self) -> Self {
+        let layers = self.layers.map(|layers| Layers {
+            sheen_color: Vec3::ZERO,
+            ..layers
+        });
+        Self {
+            is_glossy: true,
+            layers,
+            ..*self
+        }
     }
 
     /// Whether light leaves in the mirrored and the refracted direction only, or not at all.

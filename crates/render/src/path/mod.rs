@@ -8,7 +8,7 @@ mod scatter;
 mod state;
 
 use crate::{
-    CameraFrame, PixelSampler, SceneBvh, Settings, ShadowRays, direct::Visibility,
+    CameraFrame, Method, PixelSampler, SceneBvh, Settings, ShadowRays, direct::Visibility,
     emitters::Emitters, hit_groups::HitGroups, sample_light::SampleLight,
     surface_lanes::SurfaceLanes,
 };
@@ -161,7 +161,7 @@ impl<'a> PathTracer<'a> {
                     #[inline(always)]
                     || surfaces.fill(self.bvh, instance, hits),
                 );
-                if self.surfaces.scatter_plainly() {
+                if self.settings.method == Method::Path && self.surfaces.scatter_plainly() {
                     self.scatter_lanes(members, radiance);
                     continue;
                 }

@@ -6,7 +6,10 @@ use super::{
         DIRECTION_PAIR, LIGHT_PAIR, LOBE_PAIR, PLACE_PAIR, PathState, SURE_SURFACES, Unshadowed,
     },
 };
-use crate::{GlassShadows, SurfaceInteraction, sample_light::SampleLight};
+use crate::{
+    Bsdf, GlassShadows, Method, SurfaceInteraction, ray_cast::ambient_reflection,
+    sample_light::SampleLight,
+};
 use umbriel_kernels::{Hit, Interval, Ray, glam::Vec3, offset_origin};
 
 impl PathTracer<'_> {
@@ -34,14 +37,40 @@ impl PathTracer<'_> {
             let emitted = state.weight * surface.bsdf.emission * share;
             radiance[state.slot as usize].add(state.depth, emitted);
         }
-        if u32::from(state.depth) >= self.settings.depth {
+        if u32::from(state.depth) >= self.depth() {
             return;
         }
         state.bent = self.is_bent(&state, &surface);
+        let onward = self.onward(&surface, &state, radiance);
         if !state.bent {
-            self.aim(&state, &surface);
+            self.aim(&state, &surface, &onward);
         }
-        self.go_on(&state, &surface, choices.x, lane, hit.instance);
+        self.go_on(&state, &surface, &onward, choices.x, lane, hit.instance);
+    }
+
+    /// Surfaces that scatter at most. Whitted's depth, which counts the rays between them, is one less.
+    pub(super) fn depth(&self) -> u32 {
+        let rays_counted = self.settings.method == Method::Distributed;
+        self.settings.depth.saturating_add(u32::from(rays_counted))
+    }
+
+    /// The lobes that rays go on after: all of a path's. A distributed tree has the glossy ones alone, and takes what the others would bring
+    /// from the sky's irradiance; a map around the scene is a light, and is aimed at instead.
+    fn onward(
+        &self,
+        surface: &SurfaceInteraction,
+        state: &PathState,
+        radiance: &mut [SampleLight],
+    ) -> Bsdf {
+        if self.settings.method != Method::Distributed {
+            return surface.bsdf;
+        }
+        let sky = &self.bvh.scene().environment;
+        if sky.map.is_none() || sky.ambient.is_some() {
+            let ambient = ambient_reflection(sky, surface, 0.0, 0.0);
+            radiance[state.slot as usize].add(state.depth + 1, state.weight * ambient);
+        }
+        surface.bsdf.glossy()
     }
 
     /// Whether the light that the path finds from here on comes straight to where the path comes from, by a filtered shadow ray.
@@ -85,7 +114,8 @@ impl PathTracer<'_> {
     }
 
     /// Takes down what a light gives, chosen at random, and the ray that asks for it.
-    fn aim(&mut self, state: &PathState, surface: &SurfaceInteraction) {
+    /// `onward` are the lobes by which rays that go on may find it, too.
+    fn aim(&mut self, state: &PathState, surface: &SurfaceInteraction, onward: &Bsdf) {
         let bsdf = &surface.bsdf;
         if self.emitters.is_empty() || bsdf.is_smooth() {
             return;
@@ -103,13 +133,17 @@ impl PathTracer<'_> {
         if above != (light.wi.dot(surface.ns) > 0.0) {
             return;
         }
-        let f = bsdf.eval_through(surface.ns, surface.wo, light.wi);
-        let share = if light.pdf == f32::INFINITY {
-            1.0
+        let (n, wo) = (surface.ns, surface.wo);
+        let f = bsdf.eval_through(n, wo, light.wi);
+        // The balance heuristic; 1 for lights without extent.
+        let share = 1.0 / (1.0 + onward.pdf(n, wo, light.wi) / light.pdf);
+        let weighted = if onward.is_glossy {
+            let shared = onward.eval_through(n, wo, light.wi);
+            (f - shared).max(Vec3::ZERO) + shared * share
         } else {
-            light.pdf / (light.pdf + bsdf.pdf(surface.ns, surface.wo, light.wi))
+            f * share
         };
-        let radiance = state.weight * f * light.radiance * share;
+        let radiance = state.weight * weighted * light.radiance;
         if radiance.max_element() > 0.0 {
             self.shadow_rays
                 .push(shadow_ray(surface, light.to_light, light.t_max));
@@ -126,13 +160,13 @@ impl PathTracer<'_> {
         &mut self,
         state: &PathState,
         surface: &SurfaceInteraction,
+        onward: &Bsdf,
         lobe: f32,
         lane: usize,
         instance: u32,
     ) {
-        let sampled = surface
-            .bsdf
-            .sample(surface.ns, surface.wo, lobe, state.pair(DIRECTION_PAIR));
+        let u = state.pair(DIRECTION_PAIR);
+        let sampled = onward.sample(surface.ns, surface.wo, lobe, u);
         let Some(sampled) = sampled else {
             return;
         };

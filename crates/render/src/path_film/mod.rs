@@ -28,7 +28,7 @@ const PASS_SAMPLES: u32 = 1 << 22;
 /// Samples a pixel before its noise is judged for the first time.
 const FIRST_JUDGEMENT: u32 = 32;
 
-/// A picture by [`Method::Path`](crate::Method::Path) that can be looked at, saved or left after every pass.
+/// A picture by a method of random samples ([`Method::is_random`](crate::Method::is_random)) that can be looked at, saved or left after every pass.
 ///
 /// Samples of a pixel are numbered, and each is a pure function of pixel, number and seed; sums are exact. So the bytes depend on the
 /// number of samples of each pixel alone: not on threads, passes or parts.
