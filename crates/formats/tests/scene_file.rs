@@ -133,6 +133,13 @@ fn shadow_maps_follow_the_lights() {
         )
     };
     assert_eq!(settings.shadow_maps.len(), scene.lights.len());
+    let splits: Vec<f32> = (settings.shadow_maps.iter())
+        .map(|map| map.cascade_split)
+        .collect();
+    assert!(
+        splits.contains(&0.5) && splits.contains(&0.75),
+        "{splits:?}"
+    );
     assert_eq!(said(0), "p 256 constant:0.02m pcf:3 2 0.250");
     assert_eq!(said(1), "s 512 slope-scaled:1.5 pcf:3 2 0.500");
     assert_eq!(said(3), "d 1024 slope-scaled:1.5 pcss:64 4 0.530");

@@ -39,6 +39,8 @@
 //! | tone curves, sRGB | [`develop`] | Khronos 2024; Hill 2016; Sobotka 2022; IEC 61966-2-1 |
 //! | the pictures of shadow mapping | [`show()`] with a [`Show`] | |
 //! | how much of a light arrives, by rays; where a map is wrong, and why | [`LightTruth::trace`], [`LightErrors::find`], [`cause_of`]: `truth/` | |
+//! | the shimmer of a shadow under a moving camera | [`shimmer()`] | |
+//! | cameras around a camera | [`camera_around`] | Halton 1960 |
 //! | places on a light with size | [`disk_point`] | Roberts 2018; Shirley & Chiu 1997 |
 //! | how two pictures differ | [`compare()`] | Wang et al. 2004 (SSIM) |
 
@@ -93,6 +95,7 @@ mod surface_lanes;
 mod texture;
 mod trace;
 mod truth;
+mod tune;
 mod unshadowed;
 mod validate;
 mod validate_parts;
@@ -129,8 +132,8 @@ pub use scene::{Geometry, Instance, Scene};
 pub use scene_bvh::SceneBvh;
 pub use settings::{GlassShadows, Method, Sampling, Settings};
 pub use shadow_map::{
-    Bias, BiasUnit, DepthMap, Footprint, LightView, ShadowComparison, ShadowFilter, ShadowMap,
-    ShadowMapSettings, ShadowMaps, ShadowTextError, Tap,
+    Bias, BiasSum, BiasUnit, DepthMap, Footprint, LightView, NormalRule, ShadowComparison,
+    ShadowFilter, ShadowMap, ShadowMapSettings, ShadowMaps, ShadowTextError, Tap, split_distance,
 };
 pub use shadow_rays::ShadowRays;
 pub use show::{Fact, Show, ShowContext, Shown, show};
@@ -141,6 +144,10 @@ pub use texture::{Checker, Encoding, Filter, ImageTexture, Texture, Wrap};
 pub use truth::{
     Cause, Evidence, LightErrors, LightTruth, Question, SeenPoint, SeenPoints, TruthSettings,
     WrongPixel, cause_of, disk_point, error_picture, gather_evidence, truth_picture,
+};
+pub use tune::{
+    BiasOf, BiasRule, Budget, DrawnMaps, Found, Mends, Score, Search, Shimmer, Sides, TuneBench,
+    TuneSpace, TuneView, camera_around, mends, shimmer,
 };
 pub use umbriel_kernels as kernels;
 pub use unshadowed::Unshadowed;

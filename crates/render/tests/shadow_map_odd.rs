@@ -23,6 +23,8 @@ fn odd_input_does_no_harm() {
         "normal-offset:0.75",
         "receiver-plane:1",
         "adaptive",
+        "constant:1m+slope-scaled:2+normal-aside:1",
+        "normal-whole:0.1m",
     ];
     let filters = [
         "hard",
@@ -64,6 +66,7 @@ fn odd_input_does_no_harm() {
                 bias: bias.parse().unwrap(),
                 filter: filter.parse().unwrap(),
                 cascades: 1 + k as u32 % 3,
+                cascade_split: 0.5 * (number % 3) as f32,
                 light_size: 0.5,
             };
             ask_everywhere(&scenes, &camera, map);

@@ -1,10 +1,11 @@
 //! The command line.
 
-use crate::compare::CompareArgs;
+use crate::compare::{CompareArgs, SweepArgs};
 use crate::show::{ShowList, parse_show};
+use crate::tune::TuneArgs;
 use crate::values::{
     Exposure, Resolution, parse_aovs, parse_crop, parse_definition, parse_exposure, parse_fov,
-    parse_light_size, parse_map_side, parse_noise, parse_resolution, parse_seconds,
+    parse_light_size, parse_map_side, parse_noise, parse_resolution, parse_seconds, parse_split,
     parse_threshold, parse_tolerance, parse_vector,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum, value_parser};
@@ -44,6 +45,12 @@ pub(crate) enum Command {
     /// Set shadow maps beside the truth by rays: how much is wrong, and why
     #[command(after_help = EXIT_CODES)]
     Compare(Box<CompareArgs>),
+    /// Draw a strip of pictures along one setting of shadow maps
+    #[command(after_help = EXIT_CODES)]
+    Sweep(Box<SweepArgs>),
+    /// Find the settings of shadow maps with the least error for a budget
+    #[command(after_help = EXIT_CODES)]
+    Tune(Box<TuneArgs>),
     /// Compare two pictures
     #[command(after_help = EXIT_CODES)]
     Diff(DiffArgs),
@@ -68,6 +75,8 @@ impl Command {
             Self::Render(args) => args.json,
             Self::Info(args) => args.json,
             Self::Compare(args) => args.json,
+            Self::Sweep(args) => args.compare.json,
+            Self::Tune(args) => args.json,
             Self::Diff(args) => args.json,
             Self::Schema | Self::Completions { .. } | Self::Man { .. } => false,
         }
@@ -211,6 +220,9 @@ pub(crate) struct ShadowMapArgs {
     /// Shadow maps of each directional light, one behind the other [default: 1]
     #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(1..=i64::from(ShadowMapSettings::MAX_CASCADES)))]
     pub(crate) cascades: Option<u32>,
+    /// Where cascades meet: 0 is even distances, 1 logarithmic ones [default: 0.75]
+    #[arg(long, value_name = "SPLIT", value_parser = parse_split, allow_negative_numbers = true)]
+    pub(crate) cascade_split: Option<f32>,
     /// Size of all lights, for soft shadows by paths and by the filter pcss: the diameter in metres, for directional lights
     /// the angular diameter in degrees [default: their own]
     #[arg(long, value_name = "SIZE", value_parser = parse_light_size)]

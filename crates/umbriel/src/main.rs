@@ -1,4 +1,4 @@
-//! The program: `umbriel render`, `compare`, `info`, `diff` and helpers around them.
+//! The program: `umbriel render`, `compare`, `tune`, `info`, `diff` and helpers around them.
 
 mod args;
 mod camera;
@@ -19,6 +19,7 @@ mod shadow_maps;
 mod sheet;
 mod show;
 mod summary;
+mod tune;
 mod values;
 mod watch;
 

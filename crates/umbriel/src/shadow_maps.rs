@@ -26,6 +26,7 @@ pub(crate) fn choose_shadow_maps(
         bias: args.bias,
         filter: args.filter,
         cascades: args.cascades,
+        cascade_split: args.cascade_split,
     };
     let lights = loaded.scene.lights.iter();
     let own = loaded.settings.shadow_maps.iter();
@@ -106,6 +107,10 @@ pub(crate) fn map_words(light: &Light, map: &ShadowMapSettings) -> String {
         "{count}{side}x{side}, {bytes}, bias {}, filter {}",
         map.bias, map.filter
     );
+    let default = ShadowMapSettings::default().cascade_split;
+    if ShadowMap::images(light, map) > 1 && map.cascade_split != default {
+        words += &format!(", split {}", map.cascade_split);
+    }
     if let ShadowFilter::Pcss { .. } = map.filter {
         words += &match light {
             Light::Directional(_) => format!(", light of {} degrees", shown_size(light, map)),
@@ -154,6 +159,7 @@ pub(crate) fn idle_shadow_options(
         (args.bias.is_some(), "--shadow-bias"),
         (args.filter.is_some(), "--shadow-filter"),
         (args.cascades.is_some(), "--cascades"),
+        (args.cascade_split.is_some(), "--cascade-split"),
         (
             args.light_size.is_some() && !settings.method.is_random(),
             "--light-size",
@@ -166,8 +172,10 @@ pub(crate) fn idle_shadow_options(
         (given, "without --method shadow-map")
     } else if !settings.shadows {
         (given, "without shadows")
-    } else if args.cascades.is_some() && !lights.iter().any(sun) {
-        (vec!["--cascades"], "without a directional light")
+    } else if given.iter().any(|name| name.starts_with("--cascade")) && !lights.iter().any(sun) {
+        let given = given.into_iter();
+        let names = given.filter(|name| name.starts_with("--cascade")).collect();
+        (names, "without a directional light")
     } else if args.light_size.is_some() && !settings.shadow_maps.iter().any(soft) {
         (vec!["--light-size"], "without --shadow-filter pcss:TAPS")
     } else {

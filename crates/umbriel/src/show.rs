@@ -110,20 +110,24 @@ pub(crate) fn choose_show(
     fits.map_err(|why| Failure::usage(format!("--show: {why}")))?;
     Ok(Some(ShowPlan {
         list: list.clone(),
-        light: find_light(args.show_light.as_deref(), lights)?,
+        light: find_light("--show-light", args.show_light.as_deref(), lights)?,
     }))
 }
 
 /// By name, or by number from 0 where no light has that name; by default the first directional light, or the first of all.
-fn find_light(wanted: Option<&str>, lights: &[Light]) -> Result<usize, Failure> {
+pub(crate) fn find_light(
+    option: &str,
+    wanted: Option<&str>,
+    lights: &[Light],
+) -> Result<usize, Failure> {
     if lights.is_empty() {
-        return Err(Failure::usage("--show: the scene has no light to show"));
+        return Err(Failure::usage("the scene has no light to show"));
     }
     let Some(wanted) = wanted else {
         let sun = |light: &Light| matches!(light, Light::Directional(_));
         return Ok(lights.iter().position(sun).unwrap_or(0));
     };
-    named_light("--show-light", wanted, lights)
+    named_light(option, wanted, lights)
 }
 
 /// The light that an option names, or numbers from 0 where no light has that name.

@@ -86,6 +86,35 @@ pub(crate) fn parse_map_side(text: &str) -> Result<u64, String> {
     }
 }
 
+/// Where cascades meet.
+pub(crate) fn parse_split(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(split) if (0.0..=1.0).contains(&split) => Ok(split),
+        _ => Err("expected a weight from 0 to 1".to_owned()),
+    }
+}
+
+/// A number of texels, with `k` or `M` for 1024 of them, or for 1024 times as many.
+pub(crate) fn parse_texels(text: &str) -> Result<u64, String> {
+    let (number, unit) = match text.strip_suffix(['k', 'M']) {
+        Some(number) if text.ends_with('k') => (number, 1024),
+        Some(number) => (number, 1024 * 1024),
+        None => (text, 1),
+    };
+    let texels = number.parse().ok().and_then(|n: u64| n.checked_mul(unit));
+    texels
+        .filter(|texels| (1..=1 << 40).contains(texels))
+        .ok_or_else(|| "expected texels from 1 to 2^40, as in 1048576, 1M or 256k".to_owned())
+}
+
+/// Milliseconds above 0.
+pub(crate) fn parse_milliseconds(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(ms) if ms > 0.0 && ms <= 1e9 => Ok(ms),
+        _ => Err("expected milliseconds above 0 and at most 1e9, as in 2.5".to_owned()),
+    }
+}
+
 /// A size that lights can have.
 pub(crate) fn parse_light_size(text: &str) -> Result<f32, String> {
     let most = LoadOptions::MAX_LIGHT_SIZE;

@@ -150,3 +150,58 @@ fn what_does_not_fit_is_refused() {
     }
     assert_eq!(folder.names(), ["dark.toml", "flat.toml", "scene.toml"]);
 }
+
+/// A strip has a picture for each value, whose numbers are those of `compare` with it.
+#[test]
+fn a_sweep_is_a_strip() {
+    let folder = folder();
+    let words = "scene.toml --over bias --light sun --shadow-filter hard";
+    let values = "none,constant:1,constant:40";
+    let swept = result(
+        &folder,
+        &format!("sweep {words} --values {values} -o strip.png --json"),
+    );
+    let steps = swept["steps"].as_array().unwrap();
+    assert_eq!(steps.len(), 3);
+    for step in steps {
+        let bias = step["value"].as_str().unwrap();
+        let flags = format!("--json --light sun --shadow-filter hard --shadow-bias {bias}");
+        let compared = result(&folder, &format!("compare scene.toml {flags}"));
+        let light = &compared["lights"][0];
+        for cause in CAUSES {
+            let sides = ["wrongly_dark", "wrongly_lit"];
+            let sum = sides.map(|side| light[side][cause]["percent"].as_f64().unwrap());
+            let own = step["percent"][cause].as_f64().unwrap();
+            assert!(
+                (own - sum.iter().sum::<f64>()).abs() < 1e-9,
+                "{bias} {cause}"
+            );
+        }
+    }
+    let acne = |step: &Value| step["percent"]["acne"].as_f64().unwrap();
+    let leak = |step: &Value| step["percent"]["leak"].as_f64().unwrap();
+    assert!(acne(&steps[0]) > acne(&steps[1]) && leak(&steps[2]) > leak(&steps[1]));
+    let (image, _) = read_image(&folder.path("strip.png")).unwrap();
+    assert!(image.width >= 3 * 64 && image.height > 48);
+    for over in ["map-size", "light-size"] {
+        folder.ok(&format!("sweep scene.toml --over {over} -q -o {over}.png"));
+    }
+    for (words, code, part) in [
+        ("--over bias", 2, "expected --output"),
+        (
+            "--over bias --values 3 -o a.png",
+            2,
+            "--values: `3` is no shadow bias",
+        ),
+        ("--over map-size --values 0 -o a.png", 2, "--values: `0`"),
+        (
+            "--over light-size --values=-1 -o a.png",
+            2,
+            "--values: `-1`",
+        ),
+        ("--over time -o a.png", 2, "--over"),
+        ("--over bias --light moon -o a.png", 2, "--light: no light"),
+    ] {
+        folder.fails(&format!("sweep scene.toml {words}"), code, &[part]);
+    }
+}

@@ -15,13 +15,16 @@ pub(super) struct ShadowMapTable {
     /// Texels a side, from 1 to 16384; 2048 by default.
     pub resolution: Option<i64>,
     /// What keeps a surface from shadowing itself: none, constant:AMOUNT, slope-scaled:AMOUNT, normal-offset:AMOUNT,
-    /// receiver-plane:AMOUNT or adaptive (default); AMOUNT in texels, or in metres as in 0.02m.
+    /// receiver-plane:AMOUNT or adaptive (default); AMOUNT in texels, or in metres as in 0.02m. Or a sum as engines have it, such as
+    /// constant:0.02m+normal-whole:2.
     pub bias: Option<String>,
     /// How texels become one shadow: hard (default), pcf:SIDE, bilinear:SIDE, poisson:TAPS:RADIUS, vogel:TAPS:RADIUS,
     /// pcss:TAPS, vsm:RADIUS, evsm:RADIUS or msm:RADIUS; RADIUS in texels.
     pub filter: Option<String>,
     /// Maps of a directional light one behind the other, from 1 (default) to 8.
     pub cascades: Option<i64>,
+    /// Where cascades meet, from 0 (even distances) to 1 (logarithmic ones); 0.75 by default.
+    pub cascade_split: Option<f32>,
 }
 
 /// What somebody says of shadow maps; the rest stays as it is.
@@ -35,6 +38,8 @@ pub struct ShadowMapOverrides {
     pub filter: Option<ShadowFilter>,
     /// Depth images of a directional light.
     pub cascades: Option<u32>,
+    /// Weight of logarithmic distances between them, from 0 to 1.
+    pub cascade_split: Option<f32>,
 }
 
 impl ShadowMapOverrides {
@@ -45,6 +50,7 @@ impl ShadowMapOverrides {
             bias: self.bias.unwrap_or(base.bias),
             filter: self.filter.unwrap_or(base.filter),
             cascades: self.cascades.unwrap_or(base.cascades),
+            cascade_split: self.cascade_split.unwrap_or(base.cascade_split),
             light_size: light.size(),
         }
     }
@@ -55,6 +61,7 @@ impl ShadowMapOverrides {
             bias: self.bias.or(other.bias),
             filter: self.filter.or(other.filter),
             cascades: self.cascades.or(other.cascades),
+            cascade_split: self.cascade_split.or(other.cascade_split),
         }
     }
 }
@@ -127,15 +134,22 @@ fn read_table(
     index: Option<usize>,
 ) -> Result<ShadowMapOverrides, Fault> {
     let at = |field: &str| source.span_within(owner, index, "shadow_map", field);
-    if matches!(owner, "point_light" | "spot_light") && table.cascades.is_some() {
-        let message = "`cascades` belong to directional lights; expected none here";
-        return Err(Fault::new(at("cascades"), message));
+    if matches!(owner, "point_light" | "spot_light") {
+        let given = [
+            ("cascades", table.cascades.is_some()),
+            ("cascade_split", table.cascade_split.is_some()),
+        ];
+        if let Some((field, _)) = given.iter().find(|(_, is_given)| *is_given) {
+            let message = format!("`{field}` belongs to directional lights; expected none here");
+            return Err(Fault::new(at(field), message));
+        }
     }
     Ok(ShadowMapOverrides {
         resolution: side(table.resolution, at("resolution"))?,
         bias: text(&table.bias, "bias", at("bias"))?,
         filter: text(&table.filter, "filter", at("filter"))?,
         cascades: cascades(table.cascades, at("cascades"))?,
+        cascade_split: split(table.cascade_split, at("cascade_split"))?,
     })
 }
 
@@ -167,6 +181,16 @@ fn cascades(cascades: Option<i64>, span: Range<usize>) -> Result<Option<u32>, Fa
             let message = format!("`cascades` is {found}; must be from 1 to {most}");
             Err(Fault::new(span, message))
         }
+    }
+}
+
+fn split(split: Option<f32>, span: Range<usize>) -> Result<Option<f32>, Fault> {
+    match split {
+        Some(split) if !(0.0..=1.0).contains(&split) => {
+            let message = format!("`cascade_split` is {split}; must be from 0 to 1");
+            Err(Fault::new(span, message))
+        }
+        _ => Ok(split),
     }
 }
 

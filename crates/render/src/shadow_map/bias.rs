@@ -1,6 +1,6 @@
 //! A receiver as it is compared with the map: its depth, its plane, its bias.
 
-use super::{Bias, BiasUnit, LightView};
+use super::{Bias, BiasUnit, LightView, NormalRule};
 use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// Greatest tangent by which [`Bias::SlopeScaled`] multiplies.
@@ -82,6 +82,7 @@ fn plane_slope(view: &LightView, n: Vec3, q: Vec3) -> Vec2 {
 /// constant        b = a w
 /// slope-scaled    b = a min(s, 10 w)
 /// normal offset   p + a w sin θ · n, b = 0
+/// sum             both, with a₁ w + a₂ min(s, 10 w)
 /// receiver plane  z follows the plane to the texel's centre, b = a w
 /// adaptive        b = a (5/4 min(s, 10 w) + w/20) + ε; z follows what is cut of s to the texel's centre, if that is nearer
 /// ```
@@ -108,6 +109,10 @@ pub(crate) fn receiver(view: &LightView, bias: &Bias, p: Vec3, ng: Vec3) -> Rece
             in_metres(amount, unit, texel)
         }
         Bias::SlopeScaled { amount, unit } => in_metres(amount, unit, texel) * tan.min(MOST_SLOPE),
+        Bias::Sum(sum) => {
+            let sloped = sum.slope * texel * tan.min(MOST_SLOPE);
+            in_metres(sum.constant, sum.constant_unit, texel) + sloped
+        }
         Bias::Adaptive { amount } => {
             let sloped = ADAPTIVE_SLOPE * slope.min(MOST_SLOPE * texel);
             amount * (sloped + ADAPTIVE_WIDTH * texel) + rounding(view, p, tan)
@@ -128,11 +133,13 @@ pub(crate) fn receiver(view: &LightView, bias: &Bias, p: Vec3, ng: Vec3) -> Rece
     }
 }
 
-/// The point as [`Bias::NormalOffset`] moves it; for the others where it is.
+/// The point as [`Bias::NormalOffset`] or a [`Bias::Sum`] moves it; for the others where it is.
 #[inline(always)]
 fn moved_off(view: &LightView, bias: &Bias, p: Vec3, ng: Vec3) -> Vec3 {
-    let Bias::NormalOffset { amount, unit } = *bias else {
-        return p;
+    let (amount, unit, rule) = match *bias {
+        Bias::NormalOffset { amount, unit } => (amount, unit, NormalRule::Sine),
+        Bias::Sum(sum) if sum.normal != 0.0 => (sum.normal, sum.normal_unit, sum.rule),
+        _ => return p,
     };
     let from_light = if view.perspective {
         (p - view.origin).normalize_or(view.forward)
@@ -140,9 +147,14 @@ fn moved_off(view: &LightView, bias: &Bias, p: Vec3, ng: Vec3) -> Vec3 {
         view.forward
     };
     let cos = from_light.dot(ng);
-    let width = view.texel_width(view.project(p).z);
-    let sin = (1.0 - cos * cos).max(0.0).sqrt();
-    p + ng * (in_metres(amount, unit, width) * sin)
+    let width = in_metres(amount, unit, view.texel_width(view.project(p).z));
+    let rest = 1.0 - (-cos).clamp(0.0, 1.0);
+    match rule {
+        NormalRule::Sine => p + ng * (width * (1.0 - cos * cos).max(0.0).sqrt()),
+        NormalRule::Whole => p + ng * width,
+        NormalRule::Rest => p + ng * (width * rest),
+        NormalRule::Aside => p + (ng - from_light * cos) * (width * rest),
+    }
 }
 
 /// What a bias follows of the receiver's plane, whose change to the texel's centre is `change` and whose tangent is `tan`: the change of stored depth to that
@@ -184,4 +196,46 @@ fn rounding(view: &LightView, p: Vec3, tan: f32) -> f32 {
     let far = if view.perspective { 0.0 } else { view.far };
     let reach = p.abs().max_element() + (p - view.origin).abs().max_element();
     4.0 * f32::EPSILON * (reach * (1.0 + tan) + far)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shadow_map::view::axes;
+    use umbriel_kernels::glam::DVec3;
+
+    /// Each rule moves a point as far as it says, along the normal but for the last, which leaves the depth as it is.
+    #[test]
+    fn normals_move_by_their_rules() {
+        let view = LightView::orthographic(&axes(DVec3::NEG_Y), DVec3::ZERO, 8.0, 20.0, 64);
+        let (p, width) = (Vec3::new(1.0, -3.0, 2.0), 0.25);
+        for angle in [0.0_f32, 0.3, 1.2] {
+            let (sin, cos) = angle.sin_cos();
+            let ng = Vec3::new(sin, cos, 0.0);
+            for (name, length) in [
+                ("offset", sin),
+                ("whole", 1.0),
+                ("rest", 1.0 - cos),
+                ("aside", (1.0 - cos) * sin),
+            ] {
+                let bias: Bias = format!("normal-{name}:2").parse().unwrap();
+                let step = moved_off(&view, &bias, p, ng) - p;
+                let expected = 2.0 * width * length;
+                assert!((step.length() - expected).abs() < 1e-5, "{name} {angle}");
+                let aside = if name == "aside" { Vec3::X } else { ng };
+                assert!((step - aside * expected).length() < 1e-5, "{name} {angle}");
+            }
+        }
+    }
+
+    /// The parts of a sum are those of the biases of their names.
+    #[test]
+    fn sums_are_sums() {
+        let view = LightView::orthographic(&axes(DVec3::NEG_Y), DVec3::ZERO, 8.0, 20.0, 64);
+        let (p, ng) = (Vec3::new(1.0, -3.0, 2.0), Vec3::new(0.6, 0.8, 0.0));
+        let bias = |text: &str| receiver(&view, &text.parse().unwrap(), p, ng).bias;
+        let sum = bias("constant:0.02m+slope-scaled:1.5");
+        let parts = bias("constant:0.02m") + bias("slope-scaled:1.5");
+        assert!((sum - parts).abs() < 1e-6, "{sum} {parts}");
+    }
 }

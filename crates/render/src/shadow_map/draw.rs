@@ -21,7 +21,7 @@ use umbriel_kernels::{
 };
 
 /// The shadow maps of a scene's lights, for one picture.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ShadowMaps {
     pub(super) maps: Vec<ShadowMap>,
     first_ids: Vec<u32>,
@@ -49,6 +49,8 @@ pub struct ShadowMap {
     /// Infinite planes, which shadow what lies beyond the images of parallel and of far light, too.
     pub(super) planes: Vec<Plane>,
     pub(super) direction: Vec3,
+    /// Width of the widest texel, in metres.
+    pub(super) coarsest: f32,
     /// The planes shadow nothing nearer than this, in metres.
     pub(super) tolerance: f32,
 }
@@ -60,10 +62,7 @@ impl ShadowMaps {
     /// The scene must have passed [`Scene::validate`](crate::Scene::validate), the settings must be in the ranges that their fields state. The bytes
     /// do not depend on the number of threads.
     pub fn render(bvh: &SceneBvh, camera: &Camera, settings: &Settings, with_ids: bool) -> Self {
-        let mut maps = Self {
-            maps: Vec::new(),
-            first_ids: Vec::new(),
-        };
+        let mut maps = Self::default();
         maps.render_into(bvh, camera, settings, with_ids);
         maps
     }
@@ -76,19 +75,28 @@ impl ShadowMaps {
         settings: &Settings,
         with_ids: bool,
     ) {
+        self.draw_into(bvh, camera, settings, with_ids, None);
+    }
+
+    pub(super) fn draw_into(
+        &mut self,
+        bvh: &SceneBvh,
+        camera: &Camera,
+        settings: &Settings,
+        with_ids: bool,
+        only: Option<usize>,
+    ) {
         let former = std::mem::take(&mut self.maps).into_iter();
         let former = former.flat_map(|map| map.faces).map(|face| face.image);
         let scene = bvh.scene();
         let extent = Extent::of(bvh);
         let first_ids = first_ids(scene);
+        let former = former.collect();
         let job = Job {
-            bvh,
-            camera,
-            settings,
-            extent: &extent,
-            first_ids: &first_ids,
+            only,
             with_ids,
-            former: Mutex::new(former.collect()),
+            former: Mutex::new(former),
+            ..Job::new(bvh, camera, settings, &extent, &first_ids)
         };
         let maps = scene.lights.iter().enumerate();
         self.maps = maps.map(|(number, light)| job.map(number, light)).collect();
@@ -152,23 +160,56 @@ impl ShadowMap {
 }
 
 /// What the maps of a picture have in common.
-struct Job<'a> {
+pub(super) struct Job<'a> {
     bvh: &'a SceneBvh<'a>,
     camera: &'a Camera,
     settings: &'a Settings,
     extent: &'a Extent,
     first_ids: &'a [u32],
     with_ids: bool,
+    /// The light that alone has images; `None` for all.
+    only: Option<usize>,
     /// Images whose memory may be used again.
     former: Mutex<Vec<BlockImage>>,
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    /// All maps, without ids, in memory of their own.
+    pub(super) fn new(
+        bvh: &'a SceneBvh<'a>,
+        camera: &'a Camera,
+        settings: &'a Settings,
+        extent: &'a Extent,
+        first_ids: &'a [u32],
+    ) -> Self {
+        Self {
+            bvh,
+            camera,
+            settings,
+            extent,
+            first_ids,
+            with_ids: false,
+            only: None,
+            former: Mutex::default(),
+        }
+    }
+
+    /// What the images of a light show.
+    pub(super) fn views_of(&self, number: usize) -> Vec<LightView> {
+        let light = &self.bvh.scene().lights[number];
+        let settings = self.settings.shadow_maps.get(number);
+        let settings = settings.copied().unwrap_or_default();
+        self.views(light, self.far(light), &settings)
+    }
+
     fn map(&self, number: usize, light: &Light) -> ShadowMap {
         let settings = self.settings.shadow_maps.get(number);
         let settings = settings.copied().unwrap_or_default();
         let far = self.far(light);
-        let views = self.views(light, far, &settings);
+        let views = match self.only {
+            Some(only) if only != number => Vec::new(),
+            _ => self.views(light, far, &settings),
+        };
         let faces: Vec<DepthMap> = views.into_iter().map(|view| self.draw(view)).collect();
         let (direction, size) = match (light, far) {
             (Light::Directional(light), _) => {
@@ -207,7 +248,8 @@ impl Job<'_> {
                 Vec::new()
             },
             direction,
-            tolerance: coarsest.max(1e-4 * self.extent.reach(self.camera.pose.translation.into())),
+            coarsest,
+            tolerance: tolerance(coarsest, self.extent, self.camera),
             settings,
             faces,
         }
@@ -298,6 +340,11 @@ impl Job<'_> {
         };
         DepthMap { view, image }
     }
+}
+
+/// The distance from a point within which planes do not shadow it.
+pub(super) fn tolerance(coarsest: f32, extent: &Extent, camera: &Camera) -> f32 {
+    coarsest.max(1e-4 * extent.reach(camera.pose.translation.into()))
 }
 
 /// The meshes that cast shadows.

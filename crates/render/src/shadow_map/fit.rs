@@ -12,8 +12,6 @@ use umbriel_kernels::{
     glam::{DMat3, DVec2, DVec3, Vec2, Vec3},
 };
 
-/// Weight of the logarithmic splits of the cascades against uniform ones.
-const LOGARITHMIC: f64 = 0.75;
 /// Least distance of the first cascade as a share of the last one's end.
 const LEAST_NEAR: f64 = 1e-3;
 /// Planes are shown, and shadows on them, up to this many sizes of the scene away.
@@ -36,7 +34,7 @@ const STEP: f64 = 1.090_507_732_665_257_7;
 /// light: outside of it nothing finite casts a shadow. Its depths reach from the first caster to the last, and on to the planes behind.
 /// Widths grow in steps of `2^(1/8)` and places in whole texels, so that edges do not swim when the camera moves.
 /// ```text
-/// z_i = λ n (f/n)^(i/N) + (1 − λ) (n + (f − n) i/N)      λ = 0.75
+/// z_i = λ n (f/n)^(i/N) + (1 − λ) (n + (f − n) i/N)      λ the setting `cascade_split`
 /// ```
 /// Source: Zhang, Sun, Xu & Lun, "Parallel-Split Shadow Maps for Large-Scale Virtual Environments", VRCIA 2006 (splits);
 /// Valient, "Stable Rendering of Cascaded Shadow Maps", ShaderX 6, 2008 (whole texels).
@@ -48,38 +46,92 @@ pub(crate) fn directional(
     settings: &ShadowMapSettings,
 ) -> Vec<LightView> {
     let axes = axes(direction.as_dvec3().normalize());
-    let casters = match extent.finite.is_empty() {
-        false => extent.finite,
-        true => seen_of_planes(extent, camera, resolution),
-    };
-    if casters.is_empty() {
+    let Some(sight) = Sight::new(axes.z_axis, extent, camera, resolution) else {
         return Vec::new();
-    }
-    let lit = Bounds::of(&axes, &Hexahedron::from_box(&casters).0);
-    let receivers = Hexahedron::from_box(&with_shadows(&casters, extent, axes.z_axis));
-    let whole = Frustum::new(camera, resolution);
-    let seen = intersection(&whole.slice(0.0, whole.end(&receivers)), &receivers);
-    let depths = seen.iter().map(|&p| whole.depth(p));
-    let range = depths.fold([f64::INFINITY, 0.0], |[n, f], z| [n.min(z), f.max(z)]);
-    let near = range[0].max(LEAST_NEAR * range[1]);
-    let count = settings.cascades.max(1);
-    let split = |i: u32| match i {
-        0 => range[0].min(near),
-        i => blend(near, range[1], f64::from(i) / f64::from(count)),
     };
+    let lit = Bounds::of(&axes, &Hexahedron::from_box(&sight.casters).0);
     let fit = |i: u32| {
-        let slice = whole.slice(split(i), split(i + 1));
-        let seen = Bounds::of(&axes, &intersection(&slice, &receivers));
+        let [near, far] = [i, i + 1].map(|i| sight.split(i, settings));
+        let slice = sight.whole.slice(near, far);
+        let seen = Bounds::of(&axes, &intersection(&slice, &sight.receivers));
         let window = seen.overlap(&lit)?;
         Some(view(&axes, &window, &lit, extent, settings))
     };
-    (0..count).filter_map(fit).collect()
+    (0..settings.cascades.max(1)).filter_map(fit).collect()
 }
 
-/// The distance of a split at the share `s` of the way.
-fn blend(near: f64, far: f64, s: f64) -> f64 {
+/// Where the cascades of a directional light begin and end before the eye, in metres: one distance more than there are cascades. None where there are no casters.
+pub(super) fn cascade_distances(
+    direction: Vec3,
+    extent: &Extent,
+    camera: &Camera,
+    resolution: [u32; 2],
+    settings: &ShadowMapSettings,
+) -> Vec<f64> {
+    let direction = direction.as_dvec3().normalize();
+    let sight = Sight::new(direction, extent, camera, resolution);
+    let splits =
+        |sight: Sight| (0..=settings.cascades.max(1)).map(move |i| sight.split(i, settings));
+    sight.into_iter().flat_map(splits).collect()
+}
+
+/// What a camera sees of things and of their shadows.
+struct Sight {
+    casters: Aabb,
+    receivers: Hexahedron,
+    whole: Frustum,
+    /// The least and the greatest depth that is seen, and the least that counts for splits.
+    range: [f64; 2],
+    near: f64,
+}
+
+impl Sight {
+    fn new(
+        direction: DVec3,
+        extent: &Extent,
+        camera: &Camera,
+        resolution: [u32; 2],
+    ) -> Option<Self> {
+        let casters = match extent.finite.is_empty() {
+            false => extent.finite,
+            true => seen_of_planes(extent, camera, resolution),
+        };
+        if casters.is_empty() {
+            return None;
+        }
+        let receivers = Hexahedron::from_box(&with_shadows(&casters, extent, direction));
+        let whole = Frustum::new(camera, resolution);
+        let seen = intersection(&whole.slice(0.0, whole.end(&receivers)), &receivers);
+        let depths = seen.iter().map(|&p| whole.depth(p));
+        let range = depths.fold([f64::INFINITY, 0.0], |[n, f], z| [n.min(z), f.max(z)]);
+        Some(Self {
+            casters,
+            receivers,
+            whole,
+            near: range[0].max(LEAST_NEAR * range[1]),
+            range,
+        })
+    }
+
+    /// The distance at which cascade `i` begins.
+    fn split(&self, i: u32, settings: &ShadowMapSettings) -> f64 {
+        match i {
+            0 => self.range[0].min(self.near),
+            i => {
+                let share = f64::from(i) / f64::from(settings.cascades.max(1));
+                let lambda = f64::from(settings.cascade_split);
+                split_distance(self.near, self.range[1], share, lambda)
+            }
+        }
+    }
+}
+
+/// The distance before the eye at which cascades meet, at the share `s` of the way from `near` to `far`; `lambda` is the weight of the logarithmic distance.
+///
+/// Source: Zhang, Sun, Xu & Lun, "Parallel-Split Shadow Maps for Large-Scale Virtual Environments", VRCIA 2006.
+pub fn split_distance(near: f64, far: f64, s: f64, lambda: f64) -> f64 {
     let logarithmic = near * (far / near).powf(s);
-    LOGARITHMIC * logarithmic + (1.0 - LOGARITHMIC) * (near + (far - near) * s)
+    lambda * logarithmic + (1.0 - lambda) * (near + (far - near) * s)
 }
 
 /// A box along the light's axes.

@@ -285,6 +285,7 @@ mod tests {
             ("adaptive", "hard"),
             ("adaptive", "pcf:3"),
             ("normal-offset:1", "pcf:5"),
+            ("constant:0.01m+slope-scaled:1+normal-rest:2", "pcf:3"),
             ("receiver-plane:1", "vogel:7:2"),
         ] {
             let map = ShadowMapSettings {

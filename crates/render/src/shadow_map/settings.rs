@@ -14,6 +14,8 @@ pub struct ShadowMapSettings {
     pub filter: ShadowFilter,
     /// Depth images of a directional light, one behind the other as seen from the eye, from 1 to 8.
     pub cascades: u32,
+    /// Where cascades meet: the weight of logarithmic distances against even ones, from 0 to 1.
+    pub cascade_split: f32,
     /// The light's extent as [`ShadowFilter::Pcss`] takes it: the diameter of a point or spot light in metres, the angular
     /// diameter of a directional light in radians; at least 0. Other filters do not use it.
     pub light_size: f32,
@@ -26,6 +28,7 @@ impl Default for ShadowMapSettings {
             bias: Bias::default(),
             filter: ShadowFilter::default(),
             cascades: 1,
+            cascade_split: 0.75,
             light_size: 0.0,
         }
     }
@@ -97,6 +100,39 @@ pub enum Bias {
         /// Multiplies the bias; 1 by default.
         amount: f32,
     },
+    /// Several at once, as engines add them up.
+    Sum(BiasSum),
+}
+
+/// Parts of a bias that are added; those that are 0 do nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BiasSum {
+    /// As in [`Bias::Constant`], in `constant_unit`.
+    pub constant: f32,
+    /// Unit of `constant`.
+    pub constant_unit: BiasUnit,
+    /// As in [`Bias::SlopeScaled`], in texels.
+    pub slope: f32,
+    /// By how much the receiver is moved along its normal, in `normal_unit`.
+    pub normal: f32,
+    /// Unit of `normal`.
+    pub normal_unit: BiasUnit,
+    /// What part of `normal` it is moved by.
+    pub rule: NormalRule,
+}
+
+/// By which part of its amount a normal offset moves a receiver, at the angle `θ` between normal and light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum NormalRule {
+    /// `sin θ`, as in [`Bias::NormalOffset`].
+    #[default]
+    Sine,
+    /// All of it.
+    Whole,
+    /// `1 − cos θ`.
+    Rest,
+    /// `1 − cos θ`, and what of that goes towards the light is taken away: the depth stays as it is.
+    Aside,
 }
 
 impl Default for Bias {

@@ -1,6 +1,6 @@
 //! The text form of biases and filters, such as `slope-scaled:1.5` and `pcf:3`.
 
-use super::{Bias, BiasUnit, ShadowFilter};
+use super::{Bias, BiasSum, BiasUnit, NormalRule, ShadowFilter};
 use std::{
     fmt::{self, Display, Formatter},
     str::FromStr,
@@ -19,7 +19,9 @@ impl Display for ShadowTextError {
 impl std::error::Error for ShadowTextError {}
 
 const BIASES: &str = "none, constant:AMOUNT, slope-scaled:AMOUNT, normal-offset:AMOUNT, \
-                      receiver-plane:AMOUNT or adaptive (AMOUNT from 0 to 1000000, in texels, or in metres as in 0.02m)";
+                      receiver-plane:AMOUNT or adaptive (AMOUNT from 0 to 1000000, in texels, or in metres as in 0.02m), \
+                      or a sum of constant, slope-scaled and one of normal-offset, normal-whole, normal-rest and normal-aside, as in \
+                      constant:0.02m+normal-whole:2";
 const FILTERS: &str = "hard, pcf:SIDE, bilinear:SIDE, poisson:TAPS:RADIUS, vogel:TAPS:RADIUS, pcss:TAPS, \
                        vsm:RADIUS, evsm:RADIUS or msm:RADIUS (SIDE from 1 to 31, odd for pcf; TAPS from 1 to 64, of pcss \
                        to 256; RADIUS in texels from 0 to 1024, of vsm, evsm and msm whole and to 64)";
@@ -41,6 +43,9 @@ impl FromStr for Bias {
 
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let refuse = || unknown("shadow bias", text, BIASES);
+        if text.contains('+') || text.trim_start().starts_with("normal-") {
+            return sum(text).ok_or_else(refuse);
+        }
         let (name, arguments) = parts(text);
         let argument = match arguments[..] {
             [] => None,
@@ -51,13 +56,59 @@ impl FromStr for Bias {
             ("none", None) => Ok(Self::None),
             ("constant", Some((amount, unit))) => Ok(Self::Constant { amount, unit }),
             ("slope-scaled", Some((amount, unit))) => Ok(Self::SlopeScaled { amount, unit }),
-            ("normal-offset", Some((amount, unit))) => Ok(Self::NormalOffset { amount, unit }),
             ("receiver-plane", Some((amount, unit))) => Ok(Self::ReceiverPlane { amount, unit }),
             ("adaptive", None) => Ok(Self::default()),
             ("adaptive", Some((amount, BiasUnit::Texels))) => Ok(Self::Adaptive { amount }),
             _ => Err(refuse()),
         }
     }
+}
+
+/// The ways of a normal offset, by name.
+const RULES: [(&str, NormalRule); 4] = [
+    ("normal-offset", NormalRule::Sine),
+    ("normal-whole", NormalRule::Whole),
+    ("normal-rest", NormalRule::Rest),
+    ("normal-aside", NormalRule::Aside),
+];
+
+/// `constant:0.02m+normal-whole:2`, each part at most once; a lone `normal-offset` is the bias of that name.
+fn sum(text: &str) -> Option<Bias> {
+    let mut sum = BiasSum::default();
+    let mut seen = [false; 3];
+    for part in text.trim().split('+') {
+        let (name, arguments) = parts(part);
+        let [argument] = arguments[..] else {
+            return None;
+        };
+        let (amount, unit) = amount(argument)?;
+        let rule = RULES.iter().find(|rule| rule.0 == name);
+        let which = match (name, unit, rule) {
+            ("constant", _, _) => {
+                (sum.constant, sum.constant_unit) = (amount, unit);
+                0
+            }
+            ("slope-scaled", BiasUnit::Texels, _) => {
+                sum.slope = amount;
+                1
+            }
+            (_, _, Some((_, rule))) => {
+                (sum.normal, sum.normal_unit, sum.rule) = (amount, unit, *rule);
+                2
+            }
+            _ => return None,
+        };
+        if std::mem::replace(&mut seen[which], true) {
+            return None;
+        }
+    }
+    Some(match seen {
+        [false, false, true] if sum.rule == NormalRule::Sine => Bias::NormalOffset {
+            amount: sum.normal,
+            unit: sum.normal_unit,
+        },
+        _ => Bias::Sum(sum),
+    })
 }
 
 /// `1.5` or `0.02m`.
@@ -117,7 +168,29 @@ impl Display for Bias {
             Self::NormalOffset { amount: a, unit } => amount("normal-offset", a, unit),
             Self::ReceiverPlane { amount: a, unit } => amount("receiver-plane", a, unit),
             Self::Adaptive { amount: a } => amount("adaptive", a, BiasUnit::Texels),
+            Self::Sum(sum) => f.write_str(&sum_words(&sum)),
         }
+    }
+}
+
+/// The parts that are not 0; `none` if all are.
+fn sum_words(sum: &BiasSum) -> String {
+    let rule = RULES.iter().find(|rule| rule.1 == sum.rule);
+    let parts = [
+        ("constant", sum.constant, sum.constant_unit),
+        ("slope-scaled", sum.slope, BiasUnit::Texels),
+        (rule.map_or("", |rule| rule.0), sum.normal, sum.normal_unit),
+    ];
+    let there = parts.iter().filter(|part| part.1 != 0.0);
+    let words = there.map(|(name, amount, unit)| match unit {
+        BiasUnit::Texels => format!("{name}:{amount}"),
+        BiasUnit::Metres => format!("{name}:{amount}m"),
+    });
+    let words: Vec<String> = words.collect();
+    if words.is_empty() {
+        "none".to_owned()
+    } else {
+        words.join("+")
     }
 }
 
@@ -150,6 +223,9 @@ mod tests {
             "normal-offset:0.75",
             "receiver-plane:0.02m",
             "adaptive:1",
+            "constant:0.02m+normal-whole:2.5",
+            "constant:1+slope-scaled:2+normal-rest:0.1m",
+            "normal-aside:2",
         ] {
             assert_eq!(text.parse::<Bias>().unwrap().to_string(), text);
         }
@@ -178,6 +254,11 @@ mod tests {
             "adaptive:1m",
             "constant:-1",
             "slope-scaled:1:2",
+            "constant:1+",
+            "constant:1+constant:2",
+            "slope-scaled:1m+constant:1",
+            "normal-offset:1+normal-rest:1",
+            "adaptive:1+constant:1",
         ] {
             let error = text.parse::<Bias>().unwrap_err().to_string();
             assert!(

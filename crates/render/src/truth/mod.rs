@@ -13,6 +13,7 @@ pub use cause::{Cause, Evidence, cause_of};
 pub use errors::{LightErrors, WrongPixel};
 pub use evidence::gather_evidence;
 pub use light_disk::disk_point;
+pub(crate) use light_truth::brightness;
 pub use light_truth::{LightTruth, TruthSettings};
 pub use pictures::{error_picture, truth_picture};
 pub use seen_points::{Question, SeenPoint, SeenPoints};

@@ -3,9 +3,11 @@
 mod args;
 mod measure;
 mod picture;
+mod sweep;
 mod words;
 
 pub(crate) use args::CompareArgs;
+pub(crate) use sweep::{SweepArgs, run as sweep};
 
 use crate::{
     camera::choose_camera,
