@@ -1,5 +1,6 @@
-//! The pinhole camera: rays and the view-projection matrix from one struct.
+//! The camera: rays, through a pinhole or a lens, and the view-projection matrix from one struct.
 
+use crate::sample_concentric;
 use umbriel_kernels::{
     Ray,
     glam::{Affine3A, Mat4, Vec2, Vec3},
@@ -34,6 +35,11 @@ pub struct Camera {
     pub near: f32,
     /// Distance of the far plane, may be infinite.
     pub far: f32,
+    /// Radius of the lens in metres, at least 0: what is not in focus is blurred by methods of random samples
+    /// ([`Method::is_random`](crate::Method::is_random)). 0 is a pinhole, which the other methods see through in any case.
+    pub lens_radius: f32,
+    /// Distance of what is in focus, along the view direction, in metres, greater than 0.
+    pub focus: f32,
 }
 
 impl Camera {
@@ -55,6 +61,8 @@ impl Camera {
             projection: Projection::Perspective { vertical_fov },
             near: 0.01,
             far: f32::INFINITY,
+            lens_radius: 0.0,
+            focus: (target - eye).length(),
         }
     }
 
@@ -80,6 +88,8 @@ impl Camera {
             y: -up * pixel,
             center: 0.5 * Vec2::new(width as f32, height as f32),
             orthographic: matches!(self.projection, Projection::Orthographic { .. }),
+            lens: [right * self.lens_radius, up * self.lens_radius],
+            focus: self.focus,
         }
     }
 
@@ -128,6 +138,9 @@ pub struct CameraFrame {
     /// Middle of the picture in pixels.
     center: Vec2,
     orthographic: bool,
+    /// From the middle of the lens to its rim, to the right and up.
+    lens: [Vec3; 2],
+    focus: f32,
 }
 
 impl CameraFrame {
@@ -143,6 +156,21 @@ impl CameraFrame {
         } else {
             Ray::new(self.eye, (self.forward + aside).normalize())
         }
+    }
+
+    /// The ray through a point of the picture and one of the lens, by `u` in `[0, 1)²`: it meets the pinhole's ray in the plane in focus.
+    ///
+    /// Source: Cook, Porter & Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984; Kolb, Mitchell & Hanrahan, SIGGRAPH 1995 (thin lens).
+    #[inline(always)]
+    pub fn ray_through_lens(&self, pixel: Vec2, u: Vec2) -> Ray {
+        let ray = self.ray(pixel);
+        if self.lens == [Vec3::ZERO; 2] {
+            return ray;
+        }
+        let place = sample_concentric(u);
+        let origin = ray.origin + self.lens[0] * place.x + self.lens[1] * place.y;
+        let in_focus = ray.at(self.focus / ray.dir.dot(self.forward));
+        Ray::new(origin, (in_focus - origin).normalize())
     }
 }
 
@@ -213,5 +241,33 @@ mod tests {
             .dot(frame.forward)
             .acos();
         assert!((angle - 0.5).abs() < 1e-5, "{angle}");
+    }
+
+    /// All rays of a pixel meet in focus; one away from it they spread over a disk, by similar triangles.
+    #[test]
+    fn lenses_focus() {
+        for camera in cameras() {
+            let camera = Camera {
+                lens_radius: 0.25,
+                focus: 4.0,
+                ..camera
+            };
+            let frame = camera.frame(RESOLUTION);
+            let pixel = Vec2::new(500.5, 100.5);
+            let pinhole = frame.ray(pixel);
+            let along = |ray: &Ray, depth: f32| {
+                let origin = (ray.origin - frame.eye).dot(frame.forward);
+                ray.at((depth - origin) / ray.dir.dot(frame.forward))
+            };
+            let mut widest = 0.0_f32;
+            for i in 0..1000 {
+                let u = Vec2::new((i as f32 * 0.618).fract(), (i as f32 + 0.5) / 1000.0);
+                let ray = frame.ray_through_lens(pixel, u);
+                let blur = |depth| (along(&ray, depth) - along(&pinhole, depth)).length();
+                assert!(blur(4.0) < 1e-5);
+                widest = widest.max(blur(6.0));
+            }
+            assert!((widest - 0.125).abs() < 2e-3, "{widest}");
+        }
     }
 }

@@ -21,6 +21,10 @@ pub(crate) fn check_camera(camera: &Camera) -> Check {
                 .to_owned(),
         ));
     }
+    let lens = camera.lens_radius;
+    let is_lens = (0.0..=MOST_METRES).contains(&lens);
+    check(is_lens, "aperture", 2.0 * lens, "from 0 to 2000000")?;
+    check_positive("focus", camera.focus)?;
     match camera.projection {
         Projection::Perspective { vertical_fov: fov } => {
             let expected = "greater than 0 and less than 180 degrees";

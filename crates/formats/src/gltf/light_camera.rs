@@ -55,6 +55,8 @@ pub(super) fn read_camera(json: &Json, world: &Affine3A) -> Result<Camera, FileE
         projection,
         near,
         far,
+        lens_radius: 0.0,
+        focus: 1.0,
     })
 }
 

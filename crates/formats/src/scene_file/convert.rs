@@ -232,6 +232,8 @@ impl Builder<'_> {
             // The view-projection matrix of a parallel camera needs a far plane.
             camera.far = 1000.0 * (target - eye).length();
         }
+        camera.lens_radius = 0.5 * table.aperture.unwrap_or(0.0);
+        camera.focus = table.focus.unwrap_or(camera.focus);
         Ok(camera)
     }
 

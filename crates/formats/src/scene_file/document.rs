@@ -178,6 +178,10 @@ pub(super) struct CameraTable {
     pub fov: Option<f32>,
     /// Height of the picture in metres, for an orthographic camera; in place of `fov`.
     pub height: Option<f32>,
+    /// Diameter of the lens in metres, which blurs what is not in focus under the methods `path` and `distributed`; 0, a pinhole, by default.
+    pub aperture: Option<f32>,
+    /// Distance of what is in focus in metres; that of `look_at` by default.
+    pub focus: Option<f32>,
 }
 
 /// Unit squares in texture space, alternating in both directions.

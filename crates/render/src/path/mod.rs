@@ -13,7 +13,7 @@ use crate::{
     surface_lanes::SurfaceLanes,
 };
 use lanes::ScatterLanes;
-use state::{PIXEL_PAIR, PathState, Unshadowed};
+use state::{LENS_PAIR, PIXEL_PAIR, PathState, Unshadowed};
 use umbriel_kernels::{
     Hit, LANES, Ray, VectorUnit,
     glam::{Vec2, Vec3},
@@ -86,7 +86,7 @@ impl<'a> PathTracer<'a> {
         for (slot, &(x, y, sample)) in (0..).zip(samples) {
             let sampler = PixelSampler::new(x, y, count, self.settings.seed);
             let place = Vec2::new(x as f32, y as f32) + sampler.pair(sample, PIXEL_PAIR);
-            let ray = frame.ray(place);
+            let ray = frame.ray_through_lens(place, sampler.pair(sample, LENS_PAIR));
             self.rays.push(ray);
             self.states.push(PathState {
                 weight: Vec3::ONE,

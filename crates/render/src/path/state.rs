@@ -5,6 +5,7 @@ use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// Pairs of dimensions of a sample: that of the place in the pixel, that of the lens, and four a surface.
 pub(super) const PIXEL_PAIR: u32 = 0;
+pub(super) const LENS_PAIR: u32 = 1;
 pub(super) const FIRST_SURFACE_PAIR: u32 = 2;
 const PAIRS_A_SURFACE: u32 = 4;
 /// What the pairs of a surface choose: its lobe, and whether it is passed; the direction in the lobe; the light, and whether the path ends;

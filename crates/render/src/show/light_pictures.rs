@@ -123,6 +123,8 @@ fn camera_of(view: &LightView) -> Camera {
         },
         near: view.near,
         far: view.far,
+        lens_radius: 0.0,
+        focus: 1.0,
     }
 }
 
