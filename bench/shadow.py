@@ -110,15 +110,16 @@ class Programs:
         """Ours first."""
         environment = {"LP_NUM_THREADS": str(MESA_THREADS[threads]), "LIBGL_ALWAYS_SOFTWARE": "1"}
         found = [Renderer("umbriel", [self.ours, scene, threads])]
-        share_views(Path(scene).with_suffix(".json"), found[0].first["maps"])
+        share_words(Path(scene).with_suffix(".json"), found[0].first)
         found += [Renderer(name, self.script(name, scene), environment) for name in PEERS]
         return found
 
 
-def share_views(path, views):
-    """Adds Umbriel's views of the light, by the number of taps, to what the peers read of the scene."""
+def share_words(path, first):
+    """Adds Umbriel's views of the light, by the number of taps, and the tables of its shading to what the peers read of the scene."""
     words = json.loads(path.read_text())
-    path.write_text(json.dumps(words | {"maps": views}, indent=1) + "\n")
+    shared = {key: first[key] for key in ("maps", "albedo")}
+    path.write_text(json.dumps(words | shared, indent=1) + "\n")
 
 
 def rounds(renderers, cell, repetitions, pictures):

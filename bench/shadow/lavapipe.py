@@ -58,7 +58,10 @@ class Lavapipe:
     def two_pipelines(self, taps, cull):
         """For the pass from the light and the pass from the eye."""
         if (taps, cull) not in self.pipelines:
-            module = self.device.create_shader_module(code=f"const TAPS = {taps};\n" + (SHADERS / "shade.wgsl").read_text())
+            constant = "const {name}S = {length};\nvar<private> {name}: array<f32, {length}> = array<f32, {length}>({numbers});\n"
+            tables = [self.scene.table(name, constant) for name in ("total", "grazing")]
+            code = f"const TAPS = {taps};\n" + "".join(tables) + (SHADERS / "shade.wgsl").read_text()
+            module = self.device.create_shader_module(code=code)
             shade = {"module": module, "entry_point": "shade", "targets": [{"format": "rgba8unorm-srgb"}]}
             self.pipelines[taps, cull] = (
                 self.pipeline(self.map_layout, module, "map_vertex", FLOATS[:1], cull),

@@ -60,7 +60,9 @@ class Llvmpipe:
         """The program and mesh of the eye pass."""
         if taps not in self.programs:
             text = (SHADERS / "shade.glsl").read_text()
-            text = text.replace("#version 330", f"#version 330\n#define TAPS {taps}")
+            constant = "const float {name}[{length}] = float[{length}]({numbers});\n"
+            tables = [self.scene.table(name, constant) for name in ("total", "grazing")]
+            text = text.replace("#version 330", f"#version 330\n#define TAPS {taps}\n" + "".join(tables))
             program = self.gl.program(vertex_shader=EYE_VERTEX, fragment_shader=text[text.index("#version") :])
             program["light"].write(matrix(DEPTHS @ self.scene.light_matrix(taps)))
             for name, value in self.scene.constants(taps).items():

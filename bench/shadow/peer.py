@@ -34,6 +34,11 @@ class Scene:
         faces = numpy.frombuffer(data, face, counts[b"face"], end + self.vertices.nbytes)
         self.indices = numpy.ascontiguousarray(faces["corners"])
 
+    def table(self, name, text):
+        """A row of the shading's tables as a constant of a shader: `text` with its length and numbers."""
+        row = self.words["albedo"][name]
+        return text.format(name=name.upper(), length=len(row), numbers=", ".join(map(repr, row)))
+
     @property
     def map_size(self):
         return self.words["maps"]["1"]["size"]
@@ -71,8 +76,8 @@ class Scene:
             "illuminance": [*light["illuminance"], 0],
             "base_color": [*material["base_color"], 0],
             "sky": [*self.words["sky"], 0],
-            # Roughness, f0.
-            "material": [material["roughness"], f0, 0, 0],
+            # Roughness, reflectances at normal and at grazing incidence.
+            "material": [material["roughness"], f0, min(50 * f0, 1), 0],
             # In units of the map's depth: for a tangent of 1, constant; the least cosine; texel in units of the map.
             "bias": [
                 bias["slope"][str(taps)] * texel,

@@ -1,5 +1,5 @@
-// Umbriel's shading of a rough dielectric under one directional light and a uniform sky: Bsdf::eval, eval_ggx,
-// fresnel_schlick, ambient_reflection and albedo_ggx of crates/render, with the same names.
+// Umbriel's shading of a rough dielectric under one directional light and a uniform sky: Plain::eval, eval_ggx, fresnel_schlick, Albedo and
+// ambient_reflection of crates/render, with the same names. After the version stand TAPS, and the rows TOTAL and GRAZING of Albedo's tables.
 #version 330
 uniform sampler2DShadow shadow_map;
 uniform vec4 eye, wi, illuminance, base_color, sky, material, bias;
@@ -19,20 +19,26 @@ float eval_ggx(float alpha, float cos_o, float cos_i, float cos_h) {
     return a2 / (PI * d * d) * 0.5 / (cos_i * masking_o + cos_o * masking_i);
 }
 
-float albedo_ggx(float cos_o, float roughness, float f0) {
-    float x = 1.0 - roughness, y = 0.0425 - 0.0275 * roughness;
-    float z = 1.04 - 0.572 * roughness, w = -0.04 + 0.022 * roughness;
-    float a = min(x * x, exp2(-9.28 * cos_o)) * x + y;
-    return max(f0 * (-1.04 * a + z) + (1.04 * a + w), 0.0);
+// Albedo::new, of the rows of both tables for this roughness.
+vec2 albedo(float cos_o) {
+    float c = clamp(cos_o, 1e-6, 1.0), alpha = material.x * material.x;
+    float x = c * (1.0 + alpha) / (c + alpha) * float(TOTAL.length() - 1), y = sqrt(c) * float(GRAZING.length() - 1);
+    int i = min(int(x), TOTAL.length() - 2), j = min(int(y), GRAZING.length() - 2);
+    float total = TOTAL[i] + (TOTAL[i + 1] - TOTAL[i]) * (x - float(i));
+    return vec2(total, total * (GRAZING[j] + (GRAZING[j + 1] - GRAZING[j]) * (y - float(j))));
 }
 
-vec3 eval(vec3 n, vec3 wo) {
+// Albedo::compensation and Albedo::reflected.
+float compensation(vec2 e) { return 1.0 + material.y * ((1.0 - e.x) / e.x); }
+float reflected(vec2 e) { return (material.y * (e.x - e.y) + material.z * e.y) * compensation(e); }
+
+vec3 eval(vec3 n, vec3 wo, vec2 e) {
     float cos_i = dot(n, wi.xyz), cos_o = dot(n, wo);
     if (cos_i <= 0.0) return vec3(0.0);
     vec3 h = normalize(wo + wi.xyz);
-    float f = fresnel_schlick(dot(wo, h), material.y), alpha = material.x * material.x;
-    float specular = cos_o > 0.0 ? f * eval_ggx(alpha, cos_o, cos_i, dot(n, h)) : 0.0;
-    return (base_color.rgb * ((1.0 - f) / PI) + specular) * cos_i;
+    float f = mix(material.y, material.z, fresnel_schlick(dot(wo, h), 0.0)), alpha = material.x * material.x;
+    float specular = cos_o > 0.0 ? f * compensation(e) * eval_ggx(alpha, cos_o, cos_i, dot(n, h)) : 0.0;
+    return (base_color.rgb * ((1.0 - reflected(e)) / PI) + specular) * cos_i;
 }
 
 // The fraction of texels that are not nearer to the light; the bias is slope-scaled by the triangle's own plane.
@@ -56,7 +62,7 @@ void main() {
     float cos_o = dot(n, wo);
     // The shading normal never points away from the viewer.
     if (cos_o < 0.0) { n = normalize(n - wo * cos_o); cos_o = 0.0; }
-    float coat = albedo_ggx(min(cos_o, 1.0), material.x, material.y);
-    vec3 ambient = (base_color.rgb * (1.0 - coat) + coat) * sky.rgb;
-    color = vec4(ambient + eval(n, wo) * illuminance.rgb * visibility(ng), 1.0);
+    vec2 e = albedo(min(cos_o, 1.0));
+    vec3 ambient = (base_color.rgb * (1.0 - reflected(e)) + reflected(e)) * sky.rgb;
+    color = vec4(ambient + eval(n, wo, e) * illuminance.rgb * visibility(ng), 1.0);
 }

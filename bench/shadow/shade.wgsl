@@ -1,4 +1,4 @@
-// The shading of shade.glsl in WGSL, and the vertex stages. Before this text stands `const TAPS = 1;` or 9.
+// The shading of shade.glsl in WGSL, and the vertex stages. Before this text stand `const TAPS = 1;` or 9, and both tables' rows with their lengths.
 struct Constants {
     light: mat4x4f, camera: mat4x4f,
     eye: vec4f, wi: vec4f, illuminance: vec4f, base_color: vec4f, sky: vec4f, material: vec4f, bias: vec4f,
@@ -34,24 +34,30 @@ fn eval_ggx(alpha: f32, cos_o: f32, cos_i: f32, cos_h: f32) -> f32 {
     return a2 / (PI * d * d) * 0.5 / (cos_i * masking_o + cos_o * masking_i);
 }
 
-fn albedo_ggx(cos_o: f32, roughness: f32, f0: f32) -> f32 {
-    let x = 1.0 - roughness;
-    let y = 0.0425 - 0.0275 * roughness;
-    let z = 1.04 - 0.572 * roughness;
-    let w = -0.04 + 0.022 * roughness;
-    let a = min(x * x, exp2(-9.28 * cos_o)) * x + y;
-    return max(f0 * (-1.04 * a + z) + (1.04 * a + w), 0.0);
+fn albedo(cos_o: f32) -> vec2f {
+    let cosine = clamp(cos_o, 1e-6, 1.0);
+    let alpha = c.material.x * c.material.x;
+    let x = cosine * (1.0 + alpha) / (cosine + alpha) * f32(TOTALS - 1);
+    let y = sqrt(cosine) * f32(GRAZINGS - 1);
+    let i = min(i32(x), TOTALS - 2);
+    let j = min(i32(y), GRAZINGS - 2);
+    let total = TOTAL[i] + (TOTAL[i + 1] - TOTAL[i]) * (x - f32(i));
+    return vec2f(total, total * (GRAZING[j] + (GRAZING[j + 1] - GRAZING[j]) * (y - f32(j))));
 }
 
-fn eval(n: vec3f, wo: vec3f) -> vec3f {
+fn compensation(e: vec2f) -> f32 { return 1.0 + c.material.y * ((1.0 - e.x) / e.x); }
+fn reflected(e: vec2f) -> f32 { return (c.material.y * (e.x - e.y) + c.material.z * e.y) * compensation(e); }
+
+fn eval(n: vec3f, wo: vec3f, e: vec2f) -> vec3f {
     let cos_i = dot(n, c.wi.xyz);
     let cos_o = dot(n, wo);
-    if cos_i <= 0.0 { return vec3f(0.0); }
+    if cos_i <= 0.0 { return vec3f(); }
     let h = normalize(wo + c.wi.xyz);
-    let f = fresnel_schlick(dot(wo, h), c.material.y);
+    let f = mix(c.material.y, c.material.z, fresnel_schlick(dot(wo, h), 0.0));
+    let alpha = c.material.x * c.material.x;
     var specular = 0.0;
-    if cos_o > 0.0 { specular = f * eval_ggx(c.material.x * c.material.x, cos_o, cos_i, dot(n, h)); }
-    return (c.base_color.rgb * ((1.0 - f) / PI) + specular) * cos_i;
+    if cos_o > 0.0 { specular = f * compensation(e) * eval_ggx(alpha, cos_o, cos_i, dot(n, h)); }
+    return (c.base_color.rgb * ((1.0 - reflected(e)) / PI) + specular) * cos_i;
 }
 
 fn visibility(ng: vec3f, in_map: vec3f) -> f32 {
@@ -74,7 +80,7 @@ fn visibility(ng: vec3f, in_map: vec3f) -> f32 {
     var n = normalize(select(-v.normal, v.normal, front));
     var cos_o = dot(n, wo);
     if cos_o < 0.0 { n = normalize(n - wo * cos_o); cos_o = 0.0; }
-    let coat = albedo_ggx(min(cos_o, 1.0), c.material.x, c.material.y);
-    let ambient = (c.base_color.rgb * (1.0 - coat) + coat) * c.sky.rgb;
-    return vec4f(ambient + eval(n, wo) * c.illuminance.rgb * visibility(ng, v.in_map), 1.0);
+    let e = albedo(min(cos_o, 1.0));
+    let ambient = (c.base_color.rgb * (1.0 - reflected(e)) + reflected(e)) * c.sky.rgb;
+    return vec4f(ambient + eval(n, wo, e) * c.illuminance.rgb * visibility(ng, v.in_map), 1.0);
 }

@@ -21,9 +21,7 @@ pub(crate) fn check_camera(camera: &Camera) -> Check {
                 .to_owned(),
         ));
     }
-    let lens = camera.lens_radius;
-    let is_lens = (0.0..=MOST_METRES).contains(&lens);
-    check(is_lens, "aperture", 2.0 * lens, "from 0 to 2000000")?;
+    check_within("aperture", 2.0 * camera.lens_radius, 1e6)?;
     check_positive("focus", camera.focus)?;
     match camera.projection {
         Projection::Perspective { vertical_fov: fov } => {
@@ -331,27 +329,24 @@ pub(crate) fn check_texture(texture: &Texture) -> Check {
     }
 }
 
-fn check_diameter(diameter: f32) -> Check {
-    let good = (0.0..=MOST_METRES).contains(&diameter);
-    check(good, "diameter", diameter, "from 0 to 1000000")
+fn check_within(field: &'static str, value: f32, most: f32) -> Check {
+    let expected = format!("from 0 to {most}");
+    check((0.0..=most).contains(&value), field, value, &expected)
 }
-
-/// A light larger than this is no light in a scene.
-const MOST_METRES: f32 = 1e6;
 
 pub(crate) fn check_light(light: &Light) -> Check {
     match light {
         Light::Point(light) => {
             check_finite("position", light.position)?;
             check_color("intensity", light.intensity)?;
-            check_diameter(light.diameter)?;
+            check_within("diameter", light.diameter, 1e6)?;
             check(light.range > 0.0, "range", light.range, "greater than 0")
         }
         Light::Spot(light) => {
             check_finite("position", light.position)?;
             check_direction("direction", light.direction)?;
             check_color("intensity", light.intensity)?;
-            check_diameter(light.diameter)?;
+            check_within("diameter", light.diameter, 1e6)?;
             check(light.range > 0.0, "range", light.range, "greater than 0")?;
             let (inner, outer) = (light.inner_angle, light.outer_angle);
             let degrees = f32::to_degrees;

@@ -17,7 +17,7 @@ use std::{
 };
 use umbriel_formats::{LoadOptions, encode_png, load_scene, write_file};
 use umbriel_render::{
-    Bias, BiasUnit, Control, Development, Method, Scene, SceneBvh, Settings, ShadowFilter, ShadowMapSettings,
+    Albedo, Bias, BiasUnit, Control, Development, Method, Scene, SceneBvh, Settings, ShadowFilter, ShadowMapSettings,
     ShadowMaps, Tonemap, render_bytes_into,
 };
 
@@ -30,6 +30,9 @@ struct Stage {
 
 /// The width and height whose view of the light the peers are told; it depends on their ratio.
 const SIZE: [u32; 2] = [1280, 720];
+/// Nodes of the tables of [`Albedo`] along the cosine.
+const TOTALS: usize = 24;
+const GRAZINGS: usize = 40;
 /// Texels a side of the map.
 const TEXELS: u32 = 2048;
 /// Of the slope, by the number of taps: enough for the reach of a tap, half a texel or one and a half along both axes.
@@ -58,7 +61,8 @@ fn run() -> Result<(), String> {
     let views = [1, 9].map(|taps| Ok((taps.to_string(), view(&bvhs[0], taps)?)));
     let views = views.into_iter().collect::<Result<serde_json::Map<_, _>, String>>()?;
     let name = format!("umbriel, {threads} threads");
-    println!("{}", serde_json::json!({ "name": name, "maps": views }));
+    let albedo = albedo_rows(bvhs[0].scene().materials[0].roughness);
+    println!("{}", serde_json::json!({ "name": name, "maps": views, "albedo": albedo }));
     for line in io::stdin().lines() {
         let line = line.map_err(|error| error.to_string())?;
         let request = serde_json::from_str(&line).map_err(|error| format!("{line}: {error}"))?;
@@ -66,6 +70,22 @@ fn run() -> Result<(), String> {
         println!("{}", serde_json::to_string(&answer).map_err(|error| error.to_string())?);
     }
     Ok(())
+}
+
+/// What [`Albedo`] reads of its tables for a roughness: the values at their nodes, for the peers' shaders to interpolate.
+fn albedo_rows(roughness: f32) -> serde_json::Value {
+    let alpha = roughness * roughness;
+    let node = |i: usize, count: usize| i as f32 / (count - 1) as f32;
+    let total = (0..TOTALS).map(|i| {
+        // The cosine at which the table is read there.
+        let x = node(i, TOTALS);
+        Albedo::new(x * alpha / (1.0 + alpha - x), roughness).total
+    });
+    let grazing = (0..GRAZINGS).map(|i| {
+        let albedo = Albedo::new(node(i, GRAZINGS).powi(2), roughness);
+        albedo.grazing / albedo.total
+    });
+    serde_json::json!({ "total": total.collect::<Vec<_>>(), "grazing": grazing.collect::<Vec<_>>() })
 }
 
 /// How the light sees the scene; the view has room for the taps at its edges.

@@ -5,8 +5,8 @@ use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// Greatest tangent by which [`Bias::SlopeScaled`] multiplies.
 pub(crate) const MOST_SLOPE: f32 = 10.0;
-/// The tangent, of 89 degrees, up to which [`Bias::Adaptive`] follows planes beyond that.
-const STEEPEST: f32 = 57.3;
+/// The tangent, of 89.99 degrees, up to which [`Bias::Adaptive`] follows planes beyond that: a floor out to the horizon has light that grazes it.
+const STEEPEST: f32 = 5730.0;
 /// What [`Bias::Adaptive`] takes a receiver nearer by, in changes of depth over one texel, which are cut as for [`Bias::SlopeScaled`].
 const ADAPTIVE_SLOPE: f32 = 1.25;
 /// The same in texels, for what faces the light.
