@@ -201,12 +201,23 @@ impl LitLanes {
 /// when it faces the light. Most of the tail of a highlight on glass is below.
 pub(crate) const LEAST_SHARE: f32 = FRAC_1_PI / 65_536.0;
 
+/// What was taken down of one block of an instance's surfaces and one light. In this order, by instance and light before block, contributions are
+/// added, so that a sample's sum does not depend on how surfaces were cut into blocks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Run {
+    instance: u32,
+    light: u32,
+    start: usize,
+    end: usize,
+}
+
 /// The lit surfaces of one round, waiting for the answers of one batch of visibility questions.
 #[derive(Debug, Default)]
 pub(crate) struct DirectLight {
     rays: Vec<Ray>,
     lights: Vec<u32>,
     unshadowed: Vec<PendingLight>,
+    runs: Vec<Run>,
     fractions: Vec<Vec3>,
     lit: LitLanes,
     /// Number of visibility questions asked so far.
@@ -214,18 +225,25 @@ pub(crate) struct DirectLight {
 }
 
 impl DirectLight {
-    /// Takes down what surfaces reflect of each light, times their weights:
+    /// Takes down what surfaces of an instance reflect of each light, times their weights:
     ///
     /// ```text
     /// L_o = Σ_lights  f(wo, wi) (ns·wi) · E_light · transmittance
     /// ```
     /// [`DirectLight::resolve`] asks for the transmittance.
     #[inline(always)]
-    pub(crate) fn add(&mut self, lights: &[Light], surfaces: &SurfaceLanes, seen: &SeenLanes) {
+    pub(crate) fn add(
+        &mut self,
+        instance: u32,
+        lights: &[Light],
+        surfaces: &SurfaceLanes,
+        seen: &SeenLanes,
+    ) {
         if is_mirror(surfaces) {
             return;
         }
-        for (number, light) in lights.iter().enumerate() {
+        for (light, number) in lights.iter().zip(0..) {
+            let start = self.rays.len();
             self.lit.reflect(
                 light,
                 surfaces,
@@ -236,13 +254,19 @@ impl DirectLight {
             for i in 0..surfaces.len {
                 if self.lit.share[i] > LEAST_SHARE {
                     self.rays.push(self.lit.ray(i));
-                    self.lights.push(number as u32);
+                    self.lights.push(number);
                     self.unshadowed.push(PendingLight {
                         sample: seen.sample[i],
                         radiance: self.lit.radiance.get(i),
                     });
                 }
             }
+            self.runs.push(Run {
+                instance,
+                light: number,
+                start,
+                end: self.rays.len(),
+            });
         }
     }
 
@@ -283,14 +307,19 @@ impl DirectLight {
         }
     }
 
-    /// Adds what arrives to each sample's radiance, in the order in which it was taken down, and forgets it.
+    /// Adds what arrives to each sample's radiance, and forgets it.
     pub(crate) fn resolve(&mut self, visibility: &mut impl Visibility, radiance: &mut [Vec3]) {
         self.fractions.clear();
         self.fractions.resize(self.rays.len(), Vec3::ZERO);
         visibility.transmittance(&self.rays, &self.lights, &mut self.fractions);
         self.shadow_rays += self.rays.len() as u64;
-        for (light, &fraction) in self.unshadowed.iter().zip(&self.fractions) {
-            radiance[light.sample as usize] += light.radiance * fraction;
+        self.runs.sort_unstable();
+        for run in self.runs.drain(..) {
+            let run = run.start..run.end;
+            let fractions = &self.fractions[run.clone()];
+            for (light, &fraction) in self.unshadowed[run].iter().zip(fractions) {
+                radiance[light.sample as usize] += light.radiance * fraction;
+            }
         }
         self.rays.clear();
         self.lights.clear();
@@ -304,9 +333,22 @@ fn is_mirror(surfaces: &SurfaceLanes) -> bool {
     surfaces.uniform.is_some_and(|bsdf| bsdf.is_smooth())
 }
 
+/// The light that arrives at a surface, unless something stands in its way, and the share of it that is seen, times `weight`; `None` where that is too little
+/// to ask for its visibility. The slide of [`DirectLight::add`].
+pub(crate) fn share_of(
+    light: &Light,
+    surface: &SurfaceInteraction,
+    weight: Vec3,
+) -> Option<(LightSample, Vec3)> {
+    let arriving = light.sample(surface.p)?;
+    let above = arriving.wi.dot(surface.ng) > 0.0 || surface.shadow_p != surface.p;
+    let share = weight * surface.bsdf.eval(surface.ns, surface.wo, arriving.wi);
+    (above && share.max_element() > LEAST_SHARE).then_some((arriving, share))
+}
+
 /// The ray from a surface to the end of `to_light`.
 #[inline(always)]
-fn shadow_ray(surface: &SurfaceInteraction, to_light: Vec3, t_max: f32) -> Ray {
+pub(crate) fn shadow_ray(surface: &SurfaceInteraction, to_light: Vec3, t_max: f32) -> Ray {
     let origin = offset_origin(surface.shadow_p, surface.error, surface.ng, to_light);
     Ray {
         origin,

@@ -42,6 +42,8 @@
 //! | the shimmer of a shadow under a moving camera | [`shimmer()`] | |
 //! | cameras around a camera | [`camera_around`] | Halton 1960 |
 //! | places on a light with size | [`disk_point`] | Roberts 2018; Shirley & Chiu 1997 |
+//! | Whitted's recursive picture, ray by ray | [`RayTree::trace`]; twin `trace.rs` | Whitted 1980 |
+//! | why a pixel is as it is | [`explain()`] | |
 //! | how two pictures differ | [`compare()`] | Wang et al. 2004 (SSIM) |
 
 #![warn(clippy::print_stdout, clippy::print_stderr)]
@@ -58,6 +60,7 @@ mod emitters;
 mod environment;
 mod environment_map;
 mod exact_sum;
+mod explain;
 mod eye_lanes;
 mod eye_raster;
 mod eye_solid;
@@ -113,6 +116,10 @@ pub use compare::{Comparison, compare, difference_picture};
 pub use direct::Visibility;
 pub use environment::Environment;
 pub use environment_map::{EnvironmentMap, Irradiance};
+pub use explain::{
+    Blocker, Dash, Explanation, LightAnswer, LightExplanation, MapAnswer, RayKind, RayTree,
+    Section, Term, TermSource, TreeRay, Unasked, explain,
+};
 pub use film::{Film, SamplingReport, Stats, StopReason};
 pub use fresnel::{fresnel_dielectric, fresnel_schlick, normal_reflectance, reflect, refract};
 pub use ids::{InstanceId, MaterialId, MeshId, SurfaceId, TextureId};
@@ -132,8 +139,9 @@ pub use scene::{Geometry, Instance, Scene};
 pub use scene_bvh::SceneBvh;
 pub use settings::{GlassShadows, Method, Sampling, Settings};
 pub use shadow_map::{
-    Bias, BiasSum, BiasUnit, DepthMap, Footprint, LightView, NormalRule, ShadowComparison,
-    ShadowFilter, ShadowMap, ShadowMapSettings, ShadowMaps, ShadowTextError, Tap, split_distance,
+    Bias, BiasParts, BiasSum, BiasUnit, DepthMap, Footprint, LightView, NormalRule,
+    ShadowComparison, ShadowFilter, ShadowMap, ShadowMapSettings, ShadowMaps, ShadowTextError, Tap,
+    split_distance,
 };
 pub use shadow_rays::ShadowRays;
 pub use show::{Fact, Show, ShowContext, Shown, show};

@@ -5,13 +5,13 @@ use crate::{
     hit_groups::NumberedHit,
     ray_cast,
     surface_lanes::SurfaceLanes,
-    trace::{Queue, RayState},
+    trace::{Onward, Queue, RayState},
     whitted::{self, OnwardLanes},
 };
 use umbriel_kernels::{LANES, Ray, Vec3Lanes, glam::Vec3, offset_origin, whole_vectors};
 
 /// How many surfaces with alpha one ray may pass; what lies behind more is not seen.
-const MAX_PASSES: u16 = 256;
+pub(crate) const MAX_PASSES: u16 = 256;
 
 /// By what weight and in which sample the surfaces of a block are seen.
 #[derive(Debug)]
@@ -99,7 +99,7 @@ impl ShadeBlock {
 
     /// Pushes what is left of the rays behind partly transparent surfaces, and takes it off their weights.
     #[inline(always)]
-    pub(crate) fn pass(&mut self, members: &[NumberedHit], queue: &Queue, next: &mut Queue) {
+    pub(crate) fn pass(&mut self, members: &[NumberedHit], queue: &Queue, passed: &mut Queue) {
         if self.surfaces.uniform.is_some_and(|bsdf| bsdf.alpha == 1.0) {
             return;
         }
@@ -113,7 +113,7 @@ impl ShadeBlock {
                     ..*state
                 };
                 let origin = offset_origin(surface.p, surface.error, surface.ng, ray.dir);
-                next.push(Ray::new(origin, ray.dir), behind);
+                passed.push(Ray::new(origin, ray.dir), behind);
             }
             self.seen.weight.set(lane, weight * surface.bsdf.alpha);
         }
@@ -165,7 +165,7 @@ impl ShadeBlock {
         material: MaterialId,
         members: &[NumberedHit],
         queue: &Queue,
-        next: &mut Queue,
+        next: &mut Onward,
     ) {
         let depth = settings.depth.min(u32::from(u16::MAX));
         let may_go_on = |state: &RayState| u32::from(state.depth) < depth;
@@ -182,7 +182,8 @@ impl ShadeBlock {
         };
         for (lane, state) in on_their_way(&self.mirrored) {
             if may_go_on(state) && self.mirrored.has_weight(lane, least) {
-                next.push(self.mirrored.ray(lane), self.mirrored.state(lane, state));
+                let state = self.mirrored.state(lane, state);
+                next.mirrored.push(self.mirrored.ray(lane), state);
             }
         }
         for (lane, state) in on_their_way(&self.refracted) {
@@ -192,7 +193,7 @@ impl ShadeBlock {
                     medium,
                     ..self.refracted.state(lane, state)
                 };
-                next.push(self.refracted.ray(lane), state);
+                next.refracted.push(self.refracted.ray(lane), state);
             }
         }
     }

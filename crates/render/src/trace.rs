@@ -78,6 +78,28 @@ impl Queue {
         self.rays.clear();
         self.states.clear();
     }
+
+    fn append(&mut self, other: &mut Self) {
+        self.rays.append(&mut other.rays);
+        self.states.append(&mut other.states);
+    }
+}
+
+/// The rays that go on from the hits of one instance. They are queued kind by kind, so that their order, and with it that of a sample's sum, does not
+/// depend on how the hits were cut into blocks, which is to say on what else is in the batch.
+#[derive(Debug, Default)]
+pub(crate) struct Onward {
+    pub(crate) passed: Queue,
+    pub(crate) mirrored: Queue,
+    pub(crate) refracted: Queue,
+}
+
+impl Onward {
+    fn leave(&mut self, next: &mut Queue) {
+        for kind in [&mut self.passed, &mut self.mirrored, &mut self.refracted] {
+            next.append(kind);
+        }
+    }
 }
 
 /// Traces batches of eye rays; keeps its buffers between batches.
@@ -91,6 +113,7 @@ pub(crate) struct Tracer<'a> {
     direct: DirectLight,
     queue: Queue,
     next: Queue,
+    onward: Onward,
     hits: Vec<Option<Hit>>,
     groups: HitGroups,
     block: Box<ShadeBlock>,
@@ -120,6 +143,7 @@ impl<'a> Tracer<'a> {
             direct: DirectLight::default(),
             queue: Queue::default(),
             next: Queue::default(),
+            onward: Onward::default(),
             hits: Vec::new(),
             groups: HitGroups::default(),
             block: Box::default(),
@@ -136,7 +160,7 @@ impl<'a> Tracer<'a> {
 
     /// The radiance that the camera sees at each of `places` in the picture, in nit. `radiance` is as long as `places`.
     ///
-    /// Contributions are added in an order that depends on the batch only, not on how it is run.
+    /// Contributions are added in an order that is the sample's own: it depends neither on the rest of the batch nor on how that is run.
     pub(crate) fn trace(&mut self, frame: &CameraFrame, places: &[Vec2], radiance: &mut [Vec3]) {
         radiance.fill(Vec3::ZERO);
         self.queue.clear();
@@ -217,7 +241,7 @@ impl<'a> Tracer<'a> {
                     || {
                         let block = &mut *self.block;
                         block.evaluate(self.bvh, &self.queue, instance, members);
-                        block.pass(members, &self.queue, &mut self.next);
+                        block.pass(members, &self.queue, &mut self.onward.passed);
                         let goes_on = block.shade(
                             self.bvh.scene(),
                             self.settings,
@@ -233,7 +257,7 @@ impl<'a> Tracer<'a> {
                             material,
                             members,
                             &self.queue,
-                            &mut self.next,
+                            &mut self.onward,
                         );
                         if at_once {
                             light_now(
@@ -245,11 +269,13 @@ impl<'a> Tracer<'a> {
                                 |arriving| block.seen.add(arriving, block.surfaces.len, radiance),
                             );
                         } else {
-                            self.direct.add(lights, &block.surfaces, &block.seen);
+                            self.direct
+                                .add(instance, lights, &block.surfaces, &block.seen);
                         }
                     },
                 );
             }
+            self.onward.leave(&mut self.next);
         }
     }
 

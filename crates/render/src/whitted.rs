@@ -3,7 +3,7 @@
 //! Source: Whitted, "An Improved Illumination Model for Shaded Display", Communications of the ACM 23(6), 1980.
 
 use crate::{
-    Environment, SurfaceInteraction,
+    Bsdf, Environment, SurfaceInteraction,
     fresnel::{reflect, refract},
     ray_cast::ambient_reflection,
     surface_lanes::{SurfaceLanes, for_lanes},
@@ -19,6 +19,15 @@ use umbriel_kernels::{Ray, Vec3Lanes, glam::Vec3, offset_origin, whole_vectors};
 fn mirror_share(roughness: f32) -> f32 {
     let x = ((roughness - 0.1) / 0.3).clamp(0.0, 1.0);
     1.0 - x * x * (3.0 - 2.0 * x)
+}
+
+/// The shares of the specular lobe, and of the coat's, that no mirrored ray stands for.
+#[inline(always)]
+pub(crate) fn ambient_shares(bsdf: &Bsdf) -> (f32, f32) {
+    let share = mirror_share(bsdf.roughness);
+    let coat = bsdf.layers;
+    let coat = coat.map_or(0.0, |coat| mirror_share(coat.clearcoat_roughness));
+    (1.0 - share, 1.0 - coat)
 }
 
 /// Whitted's ambient term, for what no ray is sent after; false where there is none.
@@ -41,10 +50,8 @@ pub(crate) fn ambient(
         ambient,
         #[inline(always)]
         |_, surface| {
-            let share = mirror_share(surface.bsdf.roughness);
-            let coat = surface.bsdf.layers;
-            let coat = coat.map_or(0.0, |coat| mirror_share(coat.clearcoat_roughness));
-            ambient_reflection(environment, surface, 1.0 - share, 1.0 - coat)
+            let (specular, coat) = ambient_shares(&surface.bsdf);
+            ambient_reflection(environment, surface, specular, coat)
         },
     );
     true
@@ -144,11 +151,7 @@ pub(crate) fn spawn(
         surfaces,
         &mut refracted.weight,
         #[inline(always)]
-        |i, surface| {
-            let cos_o = surface.ns.dot(surface.wo);
-            let (_, transmitted) = surface.bsdf.split(cos_o);
-            weights.get(i) * surface.bsdf.beneath(cos_o) * transmitted
-        },
+        |i, surface| weights.get(i) * refracted_share(surface),
     );
     mirrored.start(
         surfaces,
@@ -166,7 +169,7 @@ pub(crate) fn spawn(
 
 /// What the mirrored ray stands for, by colour: of the base, and of its coat.
 #[inline(always)]
-fn mirrored_share(surface: &SurfaceInteraction) -> Vec3 {
+pub(crate) fn mirrored_share(surface: &SurfaceInteraction) -> Vec3 {
     let (bsdf, cos_o) = (&surface.bsdf, surface.ns.dot(surface.wo));
     let (reflected, _) = bsdf.split(cos_o);
     let base = reflected * mirror_share(bsdf.roughness);
@@ -176,9 +179,17 @@ fn mirrored_share(surface: &SurfaceInteraction) -> Vec3 {
     })
 }
 
+/// What the refracted ray stands for, by colour.
+#[inline(always)]
+pub(crate) fn refracted_share(surface: &SurfaceInteraction) -> Vec3 {
+    let cos_o = surface.ns.dot(surface.wo);
+    let (_, transmitted) = surface.bsdf.split(cos_o);
+    surface.bsdf.beneath(cos_o) * transmitted
+}
+
 /// Mirrors at the shading normal, or at the geometric normal where that would point into the surface.
 #[inline(always)]
-fn mirrored_direction(surface: &SurfaceInteraction) -> Vec3 {
+pub(crate) fn mirrored_direction(surface: &SurfaceInteraction) -> Vec3 {
     let dir = reflect(surface.wo, surface.ns);
     if dir.dot(surface.ng) > 0.0 {
         dir
@@ -189,7 +200,7 @@ fn mirrored_direction(surface: &SurfaceInteraction) -> Vec3 {
 
 /// Refracts at the shading normal, or at the geometric normal where that would not pass the surface.
 #[inline(always)]
-fn refracted_direction(surface: &SurfaceInteraction) -> Option<Vec3> {
+pub(crate) fn refracted_direction(surface: &SurfaceInteraction) -> Option<Vec3> {
     let eta = surface.bsdf.eta;
     refract(surface.wo, surface.ns, eta)
         .filter(|dir| dir.dot(surface.ng) < 0.0)

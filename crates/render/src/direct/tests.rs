@@ -99,7 +99,7 @@ fn light_added_at_once_is_the_same_to_the_bit() {
                     #[inline(always)]
                     |arriving| seen.add(arriving, hits.len(), sums),
                 );
-                later.add(&scene.lights, &surfaces, &seen);
+                later.add(0, &scene.lights, &surfaces, &seen);
             },
         );
         later.resolve(&mut Unshadowed, &mut radiance[1]);

@@ -1,6 +1,6 @@
 //! A receiver as it is compared with the map: its depth, its plane, its bias.
 
-use super::{Bias, BiasUnit, LightView, NormalRule};
+use super::{Bias, BiasUnit, LightView, NormalRule, view::Projected};
 use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// Greatest tangent by which [`Bias::SlopeScaled`] multiplies.
@@ -74,6 +74,84 @@ fn plane_slope(view: &LightView, n: Vec3, q: Vec3) -> Vec2 {
     n.truncate() * scale
 }
 
+/// How a point's plane lies in a texel.
+struct Incline {
+    projected: Projected,
+    /// Width of a texel in metres.
+    texel: f32,
+    /// See [`plane_slope`].
+    plane: Vec2,
+    /// The change of depth over a texel, in metres.
+    slope: f32,
+    /// `slope` over the width of a texel.
+    tan: f32,
+}
+
+#[inline(always)]
+fn incline(view: &LightView, p: Vec3, ng: Vec3) -> Incline {
+    let axes = |v: Vec3| Vec3::new(v.dot(view.right), v.dot(view.down), v.dot(view.forward));
+    let projected = view.project(p);
+    let texel = view.texel_width(projected.z);
+    let plane = plane_slope(view, axes(ng), axes(p - view.origin));
+    let slope = plane.length() * view.metres_per_stored(projected.z);
+    Incline {
+        projected,
+        texel,
+        plane,
+        slope,
+        // Texels of parallel light have one width, and so one division.
+        tan: slope * (1.0 / texel),
+    }
+}
+
+/// What a bias is made of at a receiver, in metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BiasParts {
+    /// How far the point is moved off its surface before it is looked up.
+    pub moved: f32,
+    /// Nearer to the light, everywhere the same number of metres or texels.
+    pub constant: f32,
+    /// Nearer to the light, the more the steeper the light falls.
+    pub sloped: f32,
+    /// Nearer to the light, for what rounding does to depths.
+    pub rounding: f32,
+    /// Further from the light, below 0 nearer: along the receiver's plane to the centre of its texel.
+    pub plane: f32,
+    /// The tangent of the angle between the light and the surface's normal, as the map sees it: the change of depth over a texel by the texel's width.
+    pub tangent: f32,
+}
+
+/// The parts of the bias that [`receiver`] takes at a point. The point itself is looked up in the texel of the receiver.
+pub(super) fn bias_parts(view: &LightView, bias: &Bias, p: Vec3, ng: Vec3) -> BiasParts {
+    let seen = receiver(view, bias, p, ng);
+    let moved = moved_off(view, bias, p, ng);
+    let Incline { texel, tan, .. } = incline(view, moved, ng);
+    let (constant, sloped, rounding) = match *bias {
+        Bias::None | Bias::NormalOffset { .. } => (0.0, 0.0, 0.0),
+        Bias::Constant { .. } | Bias::ReceiverPlane { .. } => (seen.bias, 0.0, 0.0),
+        Bias::SlopeScaled { .. } => (0.0, seen.bias, 0.0),
+        Bias::Sum(sum) => {
+            let constant = in_metres(sum.constant, sum.constant_unit, texel);
+            (constant, seen.bias - constant, 0.0)
+        }
+        Bias::Adaptive { amount } => {
+            let rounding = rounding(view, moved, tan);
+            let constant = amount * ADAPTIVE_WIDTH * texel;
+            (constant, seen.bias - constant - rounding, rounding)
+        }
+    };
+    let to_center = seen.stored - taken_nearer(view, seen.z, seen.bias);
+    BiasParts {
+        moved: (moved - p).length(),
+        constant,
+        sloped,
+        rounding,
+        // What is stored is greater for what is nearer.
+        plane: -to_center * view.metres_per_stored(seen.z),
+        tangent: tan,
+    }
+}
+
 /// The receiver at the world point `p` with the unit normal `ng`, both sides of which are alike.
 ///
 /// With the width `w` of a texel at the receiver, the angle `θ` between normal and light, and `s = |∇z| w` the change of depth over a
@@ -94,15 +172,15 @@ fn plane_slope(view: &LightView, n: Vec3, q: Vec3) -> Vec2 {
 /// Holbert, "Saying Goodbye to Shadow Acne", GDC 2011 (normal offset).
 #[inline(always)]
 pub(crate) fn receiver(view: &LightView, bias: &Bias, p: Vec3, ng: Vec3) -> Receiver {
-    let axes = |v: Vec3| Vec3::new(v.dot(view.right), v.dot(view.down), v.dot(view.forward));
     let p = moved_off(view, bias, p, ng);
-    let projected = view.project(p);
-    let (z, texel) = (projected.z, view.texel_width(projected.z));
-    let plane = plane_slope(view, axes(ng), axes(p - view.origin));
-    let metres_per_stored = view.metres_per_stored(z);
-    let slope = plane.length() * metres_per_stored;
-    // Texels of parallel light have one width, and so one division.
-    let tan = slope * (1.0 / texel);
+    let Incline {
+        projected,
+        texel,
+        plane,
+        slope,
+        tan,
+    } = incline(view, p, ng);
+    let z = projected.z;
     let b = match *bias {
         Bias::None | Bias::NormalOffset { .. } => 0.0,
         Bias::Constant { amount, unit } | Bias::ReceiverPlane { amount, unit } => {
@@ -224,6 +302,41 @@ mod tests {
                 assert!((step.length() - expected).abs() < 1e-5, "{name} {angle}");
                 let aside = if name == "aside" { Vec3::X } else { ng };
                 assert!((step - aside * expected).length() < 1e-5, "{name} {angle}");
+            }
+        }
+    }
+
+    /// What is said of a bias adds up to what it does.
+    #[test]
+    fn parts_add_up_to_the_bias() {
+        let parallel = LightView::orthographic(&axes(DVec3::NEG_Y), DVec3::ZERO, 8.0, 20.0, 64);
+        let spot = LightView::perspective(Vec3::Y, &axes(DVec3::NEG_Y), 1.0, 64, 0.01);
+        let p = Vec3::new(1.0, -3.0, 2.0);
+        for view in [parallel, spot] {
+            for ng in [Vec3::Y, Vec3::new(0.6, 0.8, 0.0), Vec3::new(0.8, 0.0, 0.6)] {
+                for text in [
+                    "none",
+                    "constant:2",
+                    "slope-scaled:1.5",
+                    "normal-offset:2",
+                    "receiver-plane:0.5",
+                    "adaptive",
+                    "constant:0.02m+slope-scaled:1.5+normal-whole:1",
+                ] {
+                    let bias: Bias = text.parse().unwrap();
+                    let (seen, parts) = (
+                        receiver(&view, &bias, p, ng),
+                        bias_parts(&view, &bias, p, ng),
+                    );
+                    let sum = parts.constant + parts.sloped + parts.rounding;
+                    assert!((sum - seen.bias).abs() <= 1e-5 * seen.bias, "{text}");
+                    let [x, y] = [seen.own.x as i32, seen.own.y as i32];
+                    let compared = view.linear(seen.at_texel(x, y));
+                    let told = seen.z - sum + parts.plane;
+                    // The plane is straight in what is stored.
+                    let bend = 0.05 * parts.plane.abs() + 1e-4;
+                    assert!((compared - told).abs() < bend, "{text} {compared} {told}");
+                }
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{
     ShadowFilter, ShadowMap,
-    bias::{Receiver, receiver},
+    bias::{BiasParts, Receiver, bias_parts, receiver},
     cube::face_of,
     extent::distance_to,
     filter::{filter_bilinear, filter_disk, filter_hard, filter_pcf, filter_pcss},
@@ -61,6 +61,11 @@ impl ShadowMap {
             texel: receiver.texel,
             fraction: self.blend(face, &receiver, p, ng),
         })
+    }
+
+    /// What the bias of a lookup on `face` is made of.
+    pub fn bias_parts(&self, face: usize, p: Vec3, ng: Vec3) -> BiasParts {
+        bias_parts(&self.faces[face].view, &self.settings.bias, p, ng)
     }
 
     /// The first face from `first` on that holds a point, and the point as it sees it.

@@ -20,6 +20,7 @@ mod taps;
 mod text;
 mod view;
 
+pub use bias::BiasParts;
 pub(crate) use bias::MOST_SLOPE;
 pub(crate) use casters::{Casts, casts, cutoff};
 pub(crate) use cover::covered;

@@ -16,4 +16,5 @@ pub use light_disk::disk_point;
 pub(crate) use light_truth::brightness;
 pub use light_truth::{LightTruth, TruthSettings};
 pub use pictures::{error_picture, truth_picture};
+pub(crate) use seen_points::reflected;
 pub use seen_points::{Question, SeenPoint, SeenPoints};

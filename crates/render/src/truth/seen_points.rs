@@ -2,7 +2,7 @@
 
 use crate::{
     Camera, CameraFrame, Light, Method, Sampling, SceneBvh, Settings, SurfaceInteraction,
-    direct::LEAST_SHARE,
+    direct::share_of,
     eye_raster::{EyeRaster, Seen, TILE, least_w},
     hit_groups::HitGroups,
     render::raster_samples,
@@ -56,6 +56,19 @@ pub struct SeenPoints {
 }
 
 impl SeenPoint {
+    /// Where a ray through a pixel met a surface.
+    pub(crate) fn new(pixel: u32, hit: &Hit, surface: &SurfaceInteraction) -> Self {
+        Self {
+            pixel,
+            instance: hit.instance,
+            primitive: hit.primitive,
+            p: surface.p,
+            error: surface.error,
+            shadow_p: surface.shadow_p,
+            ng: surface.ng,
+        }
+    }
+
     /// The ray to the end of `to_light`, as direct light sends it.
     #[inline]
     pub fn shadow_ray(&self, to_light: Vec3, t_max: f32) -> Ray {
@@ -132,28 +145,15 @@ impl SeenPoints {
             }
         }
         if is_asked {
-            self.points.push(SeenPoint {
-                pixel,
-                instance: hit.instance,
-                primitive: hit.primitive,
-                p: surface.p,
-                error: surface.error,
-                shadow_p: surface.shadow_p,
-                ng: surface.ng,
-            });
+            self.points.push(SeenPoint::new(pixel, hit, surface));
         }
     }
 }
 
 /// What a surface reflects of a light, if that is enough to ask for its visibility: the terms of direct light.
-fn reflected(light: &Light, surface: &SurfaceInteraction) -> Option<Vec3> {
-    let arriving = light.sample(surface.p)?;
-    let above = arriving.wi.dot(surface.ng) > 0.0 || surface.shadow_p != surface.p;
-    if !above {
-        return None;
-    }
-    let share = surface.bsdf.alpha * surface.bsdf.eval(surface.ns, surface.wo, arriving.wi);
-    (share.max_element() > LEAST_SHARE).then(|| share * arriving.illuminance)
+pub(crate) fn reflected(light: &Light, surface: &SurfaceInteraction) -> Option<Vec3> {
+    let (arriving, share) = share_of(light, surface, Vec3::splat(surface.bsdf.alpha))?;
+    Some(share * arriving.illuminance)
 }
 
 /// Shades the hits of a part of the picture.
