@@ -9,8 +9,9 @@ use umbriel_formats::{
     render::{
         Blocker, Camera, Control, Explanation, Film, Geometry, LightAnswer, LightErrors,
         LightTruth, LightView, Method, RayTree, Sampling, Scene, SceneBvh, SeenPoints, Settings,
-        ShadowMaps, TermSource, TruthSettings, explain, kernels::Interval, kernels::Ray,
-        kernels::glam::Vec2, kernels::glam::Vec3, kernels::mix_bits, render_with_maps,
+        ShadowMapSettings, ShadowMaps, TermSource, TruthSettings, explain, kernels::Interval,
+        kernels::Ray, kernels::glam::Vec2, kernels::glam::Vec3, kernels::mix_bits,
+        render_with_maps,
     },
 };
 
@@ -26,6 +27,15 @@ fn scenes() -> Vec<PathBuf> {
         .collect();
     scenes.sort();
     scenes
+}
+
+/// Maps that are drawn sooner, and are wrong more often.
+fn coarse(maps: &[ShadowMapSettings]) -> Vec<ShadowMapSettings> {
+    let coarse = |map: &ShadowMapSettings| ShadowMapSettings {
+        resolution: map.resolution.min(256),
+        ..*map
+    };
+    maps.iter().map(coarse).collect()
 }
 
 /// The pictures of a scene, and what is wrong with its maps, as `render` and `compare` find it.
@@ -47,7 +57,7 @@ impl<'a> Known<'a> {
             method: Method::ShadowMap,
             resolution: [220, 220 * own[1] / own[0]],
             sampling: Sampling::Fixed { spp: 1 },
-            shadow_maps: loaded.settings.shadow_maps.clone(),
+            shadow_maps: coarse(&loaded.settings.shadow_maps),
             ..Settings::default()
         };
         let whitted = Settings {
