@@ -117,8 +117,8 @@ pub use direct::Visibility;
 pub use environment::Environment;
 pub use environment_map::{EnvironmentMap, Irradiance};
 pub use explain::{
-    Blocker, Dash, Explanation, LightAnswer, LightExplanation, MapAnswer, RayKind, RayTree,
-    Section, Term, TermSource, TreeRay, Unasked, explain,
+    Blocker, CutTexel, Dash, Explanation, LightAnswer, LightExplanation, MapAnswer, RayKind,
+    RayTree, Section, Term, TermSource, TreeRay, Unasked, explain,
 };
 pub use film::{Film, SamplingReport, Stats, StopReason};
 pub use fresnel::{fresnel_dielectric, fresnel_schlick, normal_reflectance, reflect, refract};

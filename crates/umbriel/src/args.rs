@@ -1,6 +1,7 @@
 //! The command line.
 
 use crate::compare::{CompareArgs, SweepArgs};
+use crate::explain::ExplainArgs;
 use crate::show::{ShowList, parse_show};
 use crate::tune::TuneArgs;
 use crate::values::{
@@ -51,6 +52,9 @@ pub(crate) enum Command {
     /// Find the settings of shadow maps with the least error for a budget
     #[command(after_help = EXIT_CODES)]
     Tune(Box<TuneArgs>),
+    /// Say why a pixel is as it is: what it sees, what each shadow map says and why, what rays say
+    #[command(after_help = EXIT_CODES)]
+    Explain(Box<ExplainArgs>),
     /// Compare two pictures
     #[command(after_help = EXIT_CODES)]
     Diff(DiffArgs),
@@ -77,6 +81,7 @@ impl Command {
             Self::Compare(args) => args.json,
             Self::Sweep(args) => args.compare.json,
             Self::Tune(args) => args.json,
+            Self::Explain(args) => args.json,
             Self::Diff(args) => args.json,
             Self::Schema | Self::Completions { .. } | Self::Man { .. } => false,
         }

@@ -4,7 +4,7 @@ use crate::{
     args::{Cli, Command},
     compare, completions, diff,
     errors::{Exit, Failure},
-    info, render, tune,
+    explain, info, render, tune,
 };
 use clap::Parser;
 use std::{
@@ -60,6 +60,7 @@ fn dispatch(command: Command, start: Instant) -> Result<(), Failure> {
         Command::Compare(args) => compare::run(&args, start),
         Command::Sweep(args) => compare::sweep(&args, start),
         Command::Tune(args) => tune::run(&args, start),
+        Command::Explain(args) => explain::run(&args, start),
         Command::Diff(args) => diff::run(&args),
         Command::Schema => print_line(umbriel_formats::scene_schema().trim_end()),
         Command::Completions { shell } => completions::completions(shell),

@@ -51,6 +51,12 @@ pub(crate) fn parse_crop(text: &str) -> Result<[u32; 4], String> {
     }
 }
 
+/// `x,y`.
+pub(crate) fn parse_pixel(text: &str) -> Result<[u32; 2], String> {
+    parse_numbers::<u32, 2>(text)
+        .ok_or_else(|| "expected x,y in whole pixels from the top left, as in 320,200".to_owned())
+}
+
 /// `x,y,z`.
 pub(crate) fn parse_vector(text: &str) -> Result<[f32; 3], String> {
     parse_numbers::<f32, 3>(text)

@@ -6,7 +6,7 @@ mod section;
 
 pub use answers::{Blocker, LightAnswer, LightExplanation, MapAnswer, Unasked};
 pub use ray_tree::{RayKind, RayTree, Term, TermSource, TreeRay};
-pub use section::{Dash, Section};
+pub use section::{CutTexel, Dash, Section};
 
 use crate::{
     Camera, Method, Sampling, SceneBvh, Settings, ShadowMaps, TruthSettings,

@@ -1,6 +1,6 @@
 //! A cut through the scene: what a plane shows of all surfaces, whatever they are made of.
 
-use crate::{SceneBvh, surface_interaction};
+use crate::{DepthMap, SceneBvh, surface_interaction};
 use umbriel_kernels::{
     Interval, Ray,
     glam::{Vec2, Vec3},
@@ -29,6 +29,17 @@ pub struct Dash {
     pub half: Vec2,
 }
 
+/// A texel of a depth image that a plane cuts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CutTexel {
+    /// Column and row; may lie outside of the image.
+    pub texel: [i32; 2],
+    /// Where the plane enters it and where it leaves it, in texels from the top left of the image.
+    pub ends: [Vec2; 2],
+    /// Depth in metres; infinite where nothing is.
+    pub stored: f32,
+}
+
 /// How many surfaces a line may cross.
 const MOST_CROSSINGS: usize = 64;
 
@@ -52,6 +63,51 @@ impl Section {
     /// The world point at a place of the plane.
     pub fn point(&self, at: Vec2) -> Vec3 {
         self.origin + self.x * at.x + self.y * at.y
+    }
+
+    /// The texels of a depth image that the plane cuts, from `reach` texels before the place of the world point `p` to as many behind it; `p` and the light must
+    /// lie in the plane. Empty where the light sees the plane as no line.
+    pub fn texels(&self, map: &DepthMap, p: Vec3, reach: f32) -> Vec<CutTexel> {
+        let view = &map.view;
+        let along = if view.perspective {
+            p - view.origin
+        } else {
+            view.forward
+        };
+        let aside = self.x.cross(self.y).cross(along).normalize_or_zero();
+        let middle = view.project(p);
+        let beside = view.project(p + aside * view.texel_width(middle.z));
+        let Some(dir) = (beside.at - middle.at).try_normalize() else {
+            return Vec::new();
+        };
+        let mut borders = vec![-reach, reach];
+        for (at, dir) in [(middle.at.x, dir.x), (middle.at.y, dir.y)] {
+            let (first, last) = (at - reach * dir.abs(), at + reach * dir.abs());
+            let lines = first.ceil() as i32..=last.floor() as i32;
+            borders.extend(
+                lines
+                    .map(|line| (line as f32 - at) / dir)
+                    .filter(|s| s.abs() < reach),
+            );
+        }
+        borders.sort_by(f32::total_cmp);
+        let texel = |pair: &[f32]| {
+            let place = |s: f32| middle.at + dir * s;
+            let inside = place(0.5 * (pair[0] + pair[1])).floor();
+            let texel = [inside.x as i32, inside.y as i32];
+            let known = texel.map(u32::try_from);
+            let stored = match known {
+                [Ok(x), Ok(y)] => map.depth(x, y),
+                _ => None,
+            };
+            CutTexel {
+                texel,
+                ends: [place(pair[0]), place(pair[1])],
+                stored: stored.unwrap_or(f32::INFINITY),
+            }
+        };
+        let pairs = borders.windows(2).filter(|pair| pair[1] - pair[0] > 1e-4);
+        pairs.map(texel).collect()
     }
 
     /// The surfaces that the plane cuts, from `low` to `high`: rays in the plane, `lines` of them across and as many down, cross them, and each crossing is

@@ -4,6 +4,7 @@ use super::{
     measure::{Job, TunedLight},
     words::{cameras, percent, settings},
 };
+use crate::svg::{document, escaped, text};
 use std::fmt::Write;
 
 const WIDTH: f64 = 960.0;
@@ -16,20 +17,17 @@ const COLORS: [&str; 5] = ["#e69f00", "#56b4e9", "#009e73", "#cc79a7", "#d55e00"
 /// The drawing.
 pub(super) fn draw(job: &Job, tuned: &[TunedLight]) -> String {
     let height = PANEL * tuned.len() as f64;
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{WIDTH}\" height=\"{height}\" viewBox=\"0 0 {WIDTH} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
-         <rect width=\"{WIDTH}\" height=\"{height}\" fill=\"white\"/>\n"
-    );
+    let mut panels = String::new();
     for (number, light) in tuned.iter().enumerate() {
         // Writing to a string does not fail.
         let _ = writeln!(
-            svg,
+            panels,
             "<g transform=\"translate(0 {})\">\n{}</g>",
             PANEL * number as f64,
             panel(job, light)
         );
     }
-    svg + "</svg>\n"
+    document([WIDTH, height], &panels)
 }
 
 /// A place in the plot: texels, and wrong pixels in percent.
@@ -260,19 +258,4 @@ fn legend(marks: &[Mark]) -> Vec<String> {
         y += 17.0;
     }
     lines
-}
-
-fn text([x, y]: [f64; 2], anchor: &str, words: &str) -> String {
-    format!(
-        "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{}</text>",
-        escaped(words)
-    )
-}
-
-/// Text between tags.
-fn escaped(words: &str) -> String {
-    words
-        .replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }
