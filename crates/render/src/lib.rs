@@ -80,6 +80,7 @@ mod path;
 mod path_film;
 mod raster_tiles;
 mod ray_cast;
+mod ray_queue;
 mod render;
 mod sample_light;
 mod sampler;

@@ -4,8 +4,8 @@ use crate::{
     Bsdf, MaterialId, Method, Scene, SceneBvh, Settings,
     hit_groups::NumberedHit,
     ray_cast,
+    ray_queue::{Onward, Queue, RayState},
     surface_lanes::SurfaceLanes,
-    trace::{Onward, Queue, RayState},
     whitted::{self, OnwardLanes},
 };
 use umbriel_kernels::{LANES, Ray, Vec3Lanes, glam::Vec3, offset_origin, whole_vectors};

@@ -1,12 +1,13 @@
 //! The queue of weighted rays: the loop that all ray methods share.
 
 use crate::{
-    CameraFrame, Light, MaterialId, Method, SceneBvh, Settings, ShadowMaps, ShadowRays, Unshadowed,
+    CameraFrame, Light, Method, SceneBvh, Settings, ShadowMaps, ShadowRays, Unshadowed,
     color::Developer,
     direct::DirectLight,
     eye_lanes::{EyeLanes, Patch, SeenMesh},
     eye_raster::EyeRaster,
     hit_groups::HitGroups,
+    ray_queue::{Onward, Queue, RayState},
     shade_block::ShadeBlock,
     shadow_map::MapVisibility,
 };
@@ -14,93 +15,6 @@ use umbriel_kernels::{
     Hit, LANES, Ray, Vec3Lanes, VectorUnit,
     glam::{Vec2, Vec3},
 };
-
-/// What a queued ray carries beside its geometry.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RayState {
-    /// By how much the radiance along the ray is multiplied in its sample.
-    pub(crate) weight: Vec3,
-    /// Which sample it belongs to.
-    pub(crate) sample: u32,
-    /// Number of mirrored and refracted rays before it.
-    pub(crate) depth: u16,
-    /// Number of transparent surfaces that it passed.
-    pub(crate) passes: u16,
-    /// What it travels in; `None` is air.
-    pub(crate) medium: Option<MaterialId>,
-}
-
-impl RayState {
-    /// That of an eye ray, but for the sample.
-    const EYE: Self = Self {
-        weight: Vec3::ONE,
-        sample: 0,
-        depth: 0,
-        passes: 0,
-        medium: None,
-    };
-}
-
-/// Weighted rays in the order in which they were found.
-#[derive(Debug, Default)]
-pub(crate) struct Queue {
-    pub(crate) rays: Vec<Ray>,
-    pub(crate) states: Vec<RayState>,
-}
-
-impl Queue {
-    #[inline]
-    pub(crate) fn push(&mut self, ray: Ray, state: RayState) {
-        self.rays.push(ray);
-        self.states.push(state);
-    }
-
-    /// Pushes the rays through at most [`LANES`] places of the picture, one a sample.
-    #[inline(always)]
-    fn push_eye_rays(&mut self, frame: &CameraFrame, places: &[Vec2]) {
-        let (mut origin, mut dir) = (Vec3Lanes::default(), Vec3Lanes::default());
-        for (i, &place) in places.iter().enumerate().take(LANES) {
-            let ray = frame.ray(place);
-            origin.set(i, ray.origin);
-            dir.set(i, ray.dir);
-        }
-        let lanes = 0..places.len().min(LANES);
-        let first = self.states.len();
-        self.states.resize(first + lanes.len(), RayState::EYE);
-        for (number, state) in (first as u32..).zip(&mut self.states[first..]) {
-            state.sample = number;
-        }
-        self.rays
-            .extend(lanes.map(|i| Ray::new(origin.get(i), dir.get(i))));
-    }
-
-    fn clear(&mut self) {
-        self.rays.clear();
-        self.states.clear();
-    }
-
-    fn append(&mut self, other: &mut Self) {
-        self.rays.append(&mut other.rays);
-        self.states.append(&mut other.states);
-    }
-}
-
-/// The rays that go on from the hits of one instance. They are queued kind by kind, so that their order, and with it that of a sample's sum, does not
-/// depend on how the hits were cut into blocks, which is to say on what else is in the batch.
-#[derive(Debug, Default)]
-pub(crate) struct Onward {
-    pub(crate) passed: Queue,
-    pub(crate) mirrored: Queue,
-    pub(crate) refracted: Queue,
-}
-
-impl Onward {
-    fn leave(&mut self, next: &mut Queue) {
-        for kind in [&mut self.passed, &mut self.mirrored, &mut self.refracted] {
-            next.append(kind);
-        }
-    }
-}
 
 /// Traces batches of eye rays; keeps its buffers between batches.
 #[derive(Debug)]

@@ -6,8 +6,8 @@ use crate::{
     Bsdf, Environment, SurfaceInteraction,
     fresnel::{reflect, refract},
     ray_cast::ambient_reflection,
+    ray_queue::RayState,
     surface_lanes::{SurfaceLanes, for_lanes},
-    trace::RayState,
 };
 use umbriel_kernels::{Ray, Vec3Lanes, glam::Vec3, offset_origin, whole_vectors};
 

@@ -18,7 +18,7 @@ pub(crate) struct ExplainArgs {
     /// Scene (.toml) or model (.gltf, .glb, .obj, .ply, .stl)
     pub(crate) scene: PathBuf,
     /// The pixel: its column from the left and its row from the top, from 0
-    #[arg(short, long, value_name = "X,Y", value_parser = parse_pixel)]
+    #[arg(short, long, value_name = "X,Y", value_parser = parse_pixel, allow_hyphen_values = true)]
     pub(crate) pixel: [u32; 2],
     /// Draw a cut through the eye, the point and each light, with the map's texels, and the tree of rays, as SVG
     #[arg(short, long, value_name = "PATH.svg")]

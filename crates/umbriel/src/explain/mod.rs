@@ -1,6 +1,7 @@
 //! `umbriel explain`: why a pixel is as it is.
 
 mod args;
+mod comparison;
 mod drawing;
 mod json;
 mod names;

@@ -27,6 +27,8 @@ struct Cut<'a> {
 
 /// Lights further away than so many times the eye are drawn as an arrow.
 const FAR: f32 = 3.0;
+/// Borders of more texels would be grey.
+const MOST_COLUMNS: f32 = 60.0;
 
 /// Both panels of a light.
 pub(super) fn draw(
@@ -127,7 +129,7 @@ impl Cut<'_> {
     fn near(&self, light: usize, corner: [f64; 2]) -> String {
         let Some(how) = &self.answer.how else {
             let mut panel = Panel::around(&[Vec2::ZERO, Vec2::ONE], corner, PANEL);
-            panel.notes(&[("black", "the map does not hold the point".to_owned())]);
+            panel.notes(&[("black", "the map does not reach the point".to_owned())]);
             return panel.finish();
         };
         let texel = how.comparison.texel;
@@ -160,6 +162,7 @@ impl Cut<'_> {
     fn texels(&self, panel: &mut Panel, map: &DepthMap, reach: f32, far: f32) {
         let (view, p) = (&map.view, self.answer.point.shadow_p);
         let depth = (p - view.origin).dot(view.forward) - view.shift.z;
+        let has_columns = reach < MOST_COLUMNS;
         for texel in self.section.texels(map, p, reach) {
             let place = |end: Vec2, z: f32| self.section.at(view.point(end, z));
             let [a, b] = texel.ends;
@@ -169,12 +172,14 @@ impl Cut<'_> {
             } else {
                 first
             };
-            panel.line(
-                place(a, first),
-                place(a, last),
-                "#d8d8d8",
-                "stroke-width=\"0.7\"",
-            );
+            if has_columns {
+                panel.line(
+                    place(a, first),
+                    place(a, last),
+                    "#d8d8d8",
+                    "stroke-width=\"0.7\"",
+                );
+            }
             if texel.stored < last {
                 let shadow = [
                     place(a, texel.stored),

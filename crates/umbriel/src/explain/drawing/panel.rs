@@ -12,7 +12,7 @@ pub(super) const WIDTH: f64 = 1060.0;
 /// Width and height of one of two panels side by side.
 pub(super) const PANEL: [f64; 2] = [(WIDTH - 3.0 * GAP) / 2.0, 400.0];
 /// Lines across and down in which surfaces are sought.
-const LINES: u32 = 200;
+const LINES: u32 = 150;
 /// Of Okabe & Ito, told apart with every kind of colour vision.
 pub(super) const BLUE: &str = "#0072b2";
 pub(super) const ORANGE: &str = "#e69f00";
