@@ -10,7 +10,7 @@
 //! | plane | [`intersect_plane`] | Glassner 1989 | [`SurfaceList`] |
 //! | disk | [`intersect_disk`] | Glassner 1989 | - |
 //! | rectangle | [`intersect_rectangle`] | Glassner 1989 | [`SurfaceList`] |
-//! | solid box | [`intersect_cuboid`] | Kay & Kajiya 1986 | - |
+//! | solid box | [`intersect_cuboid`] | Kay & Kajiya 1986 | [`SurfaceList`] |
 //! | cylinder | [`intersect_cylinder`] | Cychosz & Waggenspack 1994 | - |
 //! | cone, truncated cone | [`intersect_cone`] | Cychosz & Waggenspack 1994 | - |
 //! | torus | [`intersect_torus`] | Hanrahan 1989 | - |
