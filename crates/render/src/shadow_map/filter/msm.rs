@@ -2,8 +2,9 @@
 
 use umbriel_kernels::glam::{DMat3, DVec3};
 
-/// How far the moments are moved towards those of all depths, against rounding in f32.
-const MOMENT_BIAS: f64 = 1e-6;
+/// How far the moments are moved towards those of all depths, against rounding in f32. At 1e-6 what a filter's sums lose leaves dark dots on floors that the light
+/// grazes; 1e-5 clears them and leaks a few hundredths of a percent more.
+const MOMENT_BIAS: f64 = 1e-5;
 
 /// What is stored of a depth in `[0, 1]`.
 pub(crate) fn four_moments(t: f32) -> [f32; 4] {
