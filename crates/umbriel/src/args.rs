@@ -78,10 +78,10 @@ impl Command {
         match self {
             Self::Render(args) => args.json,
             Self::Info(args) => args.json,
-            Self::Compare(args) => args.json,
-            Self::Sweep(args) => args.compare.json,
-            Self::Tune(args) => args.json,
-            Self::Explain(args) => args.json,
+            Self::Compare(args) => args.truth.json,
+            Self::Sweep(args) => args.compare.truth.json,
+            Self::Tune(args) => args.truth.json,
+            Self::Explain(args) => args.truth.json,
             Self::Diff(args) => args.json,
             Self::Schema | Self::Completions { .. } | Self::Man { .. } => false,
         }

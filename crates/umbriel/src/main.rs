@@ -21,6 +21,7 @@ mod sheet;
 mod show;
 mod summary;
 mod svg;
+mod truth_args;
 mod tune;
 mod values;
 mod watch;

@@ -172,7 +172,7 @@ fn bad_questions_have_clear_answers() {
         ("explain scene.toml", "required arguments"),
         (
             "explain scene.toml --pixel 1,1 -o a.png",
-            "a.png: unknown kind of drawing; expected .svg",
+            "a.png: unknown kind of file; expected .svg for the drawing",
         ),
         (
             "explain scene.toml --pixel 1,1 --light moon",

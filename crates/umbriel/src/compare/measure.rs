@@ -53,10 +53,8 @@ pub(super) fn measure(job: &Job, chosen: &[usize]) -> Measured {
     let ((), build) = timed(|| bvh.build_trees());
     let (maps, map_time) = timed(|| ShadowMaps::render(bvh, camera, settings, true));
     let (seen, points) = timed(|| SeenPoints::find(bvh, camera, settings));
-    let how = TruthSettings {
-        glass_shadows: settings.glass(),
-        rays: job.args.truth_rays,
-    };
+    let rays = TruthSettings::default().rays;
+    let how = job.args.truth.truth(settings, rays);
     let (truths, truth) = timed(|| {
         let trace = |&light: &usize| trace(job, &maps, &seen, light, &how);
         chosen.iter().map(trace).collect::<Vec<_>>()
@@ -69,7 +67,7 @@ pub(super) fn measure(job: &Job, chosen: &[usize]) -> Measured {
                 &seen,
                 truth,
                 how.glass_shadows,
-                job.args.tolerance,
+                job.args.truth.tolerance,
             )
         };
         truths.iter().map(find).collect::<Vec<_>>()
@@ -99,7 +97,7 @@ fn trace(
     light: usize,
     how: &TruthSettings,
 ) -> LightTruth {
-    let progress = Progress::new(job.args.quiet, true);
+    let progress = Progress::new(job.args.truth.quiet, true);
     let control = Control {
         stop: &STOP,
         progress: &|done, total| progress.update(done, total),

@@ -1,7 +1,7 @@
 //! `umbriel sweep`: one setting of shadow maps from too little to too much, as a strip of labelled pictures.
 
 use super::{
-    CompareArgs, check_picture, check_sizes, load,
+    CompareArgs, check_sizes, load,
     measure::{Job, Measured, measure},
     settings,
     words::percent,
@@ -63,18 +63,17 @@ const SIZES: [&str; 5] = ["0", "0.5", "1", "2", "4"];
 /// Measures and draws one picture a value; `start` is when the work began.
 pub(crate) fn run(args: &SweepArgs, start: Instant) -> Result<(), Failure> {
     let compare = &args.compare;
-    check_picture(compare)?;
     let Some(output) = &compare.output else {
         let message = "sweep draws a strip of pictures; expected --output with a .png";
         return Err(Failure::usage(message));
     };
-    let pool = build_pool(compare.threads)?;
+    let pool = build_pool(compare.truth.threads)?;
     let loaded = pool.install(|| load(compare))?;
     let base = settings(compare, &loaded)?;
     let lights = &loaded.scene.lights;
-    let number = find_light("--light", compare.light.as_deref(), lights)?;
+    let number = find_light("--light", compare.truth.light.as_deref(), lights)?;
     let light = &lights[number];
-    let camera = choose_camera(&loaded.scene, &compare.view)?;
+    let camera = choose_camera(&loaded.scene, &compare.truth.view)?;
     let mut steps = Vec::new();
     for value in values(args) {
         let mut settings = base.clone();
@@ -92,7 +91,7 @@ pub(crate) fn run(args: &SweepArgs, start: Instant) -> Result<(), Failure> {
             exposure: compare
                 .exposure
                 .or(loaded.settings.exposure.map(Exposure::Stops))
-                .unwrap_or(default_exposure(&compare.scene, &loaded)),
+                .unwrap_or(default_exposure(&compare.truth.scene, &loaded)),
             tonemap: compare.tonemap.map(Into::into).or(loaded.settings.tonemap),
         };
         let measured = pool.install(|| measure(&job, &[number]));
@@ -123,9 +122,9 @@ fn report(
     seconds: f64,
 ) -> Result<(), Failure> {
     let (output, count) = (output.display(), steps.len());
-    if args.json {
+    if args.truth.json {
         let result = json!({
-            "scene": args.scene.display().to_string(),
+            "scene": args.truth.scene.display().to_string(),
             "light": light.name(),
             "output": output.to_string(),
             "steps": steps,
@@ -133,7 +132,7 @@ fn report(
         });
         return print_line(&result.to_string());
     }
-    if !args.quiet {
+    if !args.truth.quiet {
         say(&format!(
             "saved {output}; {count} pictures in {seconds:.2} s"
         ));
@@ -182,7 +181,7 @@ fn changed(
                 Light::Point(_) | Light::Spot(_) => size,
             };
             let is_soft = matches!(base.filter, ShadowFilter::Pcss { .. });
-            if args.compare.shadow_maps.filter.is_none() && !is_soft {
+            if args.compare.truth.shadow_maps.filter.is_none() && !is_soft {
                 change.filter = Some(ShadowFilter::Pcss { taps: 64 });
             }
         }

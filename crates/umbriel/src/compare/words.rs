@@ -13,9 +13,9 @@ pub(super) fn table(job: &Job, measured: &Measured) -> String {
     let [width, height] = job.settings.resolution;
     let mut lines = vec![format!(
         "{} {width}x{height}, camera {:?}, differences above {} of a light",
-        job.args.scene.display(),
+        job.args.truth.scene.display(),
         job.camera.name,
-        job.args.tolerance
+        job.args.truth.tolerance
     )];
     for light in &measured.lights {
         lines.extend(light_lines(job, measured, light));
@@ -154,12 +154,12 @@ pub(super) fn to_json(job: &Job, measured: &Measured, total: f64) -> Value {
         .map(|light| light_json(job, measured, light))
         .collect();
     json!({
-        "scene": job.args.scene.display().to_string(),
+        "scene": job.args.truth.scene.display().to_string(),
         "camera": job.camera.name,
         "width": job.settings.resolution[0],
         "height": job.settings.resolution[1],
         "crop": job.settings.crop,
-        "tolerance": job.args.tolerance,
+        "tolerance": job.args.truth.tolerance,
         "output": job.args.output.as_ref().map(|path| path.display().to_string()),
         "pictures": pictures_json(measured.pictures.as_ref()),
         "lights": lights,

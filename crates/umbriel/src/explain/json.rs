@@ -12,12 +12,12 @@ pub(super) fn to_json(job: &Job, found: &Explanation, total: f64) -> Value {
     let lights = found.lights.iter();
     let lights = lights.filter(|light| job.lights.contains(&light.light));
     json!({
-        "scene": job.args.scene.display().to_string(),
+        "scene": job.args.truth.scene.display().to_string(),
         "camera": job.camera.name,
         "width": job.settings.resolution[0],
         "height": job.settings.resolution[1],
         "pixel": found.pixel,
-        "tolerance": job.args.tolerance,
+        "tolerance": job.args.truth.tolerance,
         "color": {
             "shadow_map": job.hex(found.mapped.radiance()),
             "whitted": job.hex(found.whitted.radiance()),

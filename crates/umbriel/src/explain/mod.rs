@@ -15,21 +15,18 @@ use crate::{
     errors::Failure,
     interrupt::STOP,
     plan::resolution,
-    render::{build_pool, default_exposure, refuse_ignored},
+    render::{build_pool, default_exposure},
     run::print_line,
     say::say,
-    shadow_maps::{check_shadow_memory, choose_shadow_maps, own_settings},
-    show::named_light,
-    summary::ignored_line,
-    values::{Exposure, Resolution},
+    shadow_maps::check_shadow_memory,
+    values::Exposure,
 };
-use std::{path::PathBuf, time::Instant};
+use std::time::Instant;
 use umbriel_formats::{
-    LoadOptions, Loaded, check_inputs, check_output, load_scene,
+    Loaded,
     render::{
-        Camera, Control, Explanation, Image, Light, Method, Sampling, SceneBvh, Settings,
-        ShadowMaps, Tonemap, TruthSettings, auto_exposure, develop, explain, kernels::glam::Vec3,
-        render_with_maps,
+        Camera, Control, Explanation, Image, SceneBvh, Settings, ShadowMaps, Tonemap,
+        TruthSettings, auto_exposure, develop, explain, kernels::glam::Vec3, render_with_maps,
     },
     write_file,
 };
@@ -49,21 +46,14 @@ struct Job<'a> {
 
 /// Loads, explains, and says and draws what was found; `start` is when the work began.
 pub(crate) fn run(args: &ExplainArgs, start: Instant) -> Result<(), Failure> {
-    check_drawing(args)?;
-    let pool = build_pool(args.threads)?;
-    let loaded = pool.install(|| load(args))?;
+    args.truth.check_file(&args.output, "svg", "the drawing")?;
+    let pool = build_pool(args.truth.threads)?;
+    let loaded = pool.install(|| args.truth.load(&args.output))?;
     let settings = settings(args, &loaded)?;
-    let lights = choose_lights(args, &loaded.scene.lights)?;
+    let lights = args.truth.choose_lights(&loaded.scene.lights)?;
     check_shadow_memory(&settings, &loaded.scene.lights)?;
-    let camera = choose_camera(&loaded.scene, &args.view)?;
-    if !args.quiet {
-        for note in &loaded.report.notes {
-            say(&format!("note: {note}"));
-        }
-        ignored_line(&loaded.report)
-            .iter()
-            .for_each(|line| say(line));
-    }
+    let camera = choose_camera(&loaded.scene, &args.truth.view)?;
+    args.truth.say_notes(&loaded);
     let bvh = SceneBvh::build(&loaded.scene);
     let maps = pool.install(|| ShadowMaps::render(&bvh, &camera, &settings, true));
     let job = Job {
@@ -80,11 +70,9 @@ pub(crate) fn run(args: &ExplainArgs, start: Instant) -> Result<(), Failure> {
             .or(loaded.settings.tonemap)
             .unwrap_or_default(),
     };
-    let how = TruthSettings {
-        glass_shadows: settings.glass(),
-        rays: args.truth_rays,
-    };
-    let asked = (&how, args.tolerance);
+    let rays = TruthSettings::default().rays;
+    let how = args.truth.truth(&settings, rays);
+    let asked = (&how, args.truth.tolerance);
     let found = pool.install(|| explain(&bvh, &maps, &camera, &settings, asked, &[args.pixel]));
     // One pixel was asked for.
     found
@@ -97,11 +85,11 @@ fn report(job: &Job, found: &Explanation, start: Instant) -> Result<(), Failure>
         write_file(path, drawing::draw(job, found).as_bytes())?;
     }
     let total = start.elapsed().as_secs_f64();
-    if job.args.json {
+    if job.args.truth.json {
         return print_line(&json::to_json(job, found, total).to_string());
     }
     print_line(&words::report(job, found))?;
-    if !job.args.quiet
+    if !job.args.truth.quiet
         && let Some(path) = &job.args.output
     {
         say(&format!("saved {}, {:.1} ms", path.display(), 1e3 * total));
@@ -109,48 +97,11 @@ fn report(job: &Job, found: &Explanation, start: Instant) -> Result<(), Failure>
     Ok(())
 }
 
-/// Refuses a drawing that cannot be written, before any work.
-fn check_drawing(args: &ExplainArgs) -> Result<(), Failure> {
-    let Some(output) = &args.output else {
-        return Ok(());
-    };
-    let is_svg = output
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("svg"));
-    if !is_svg {
-        let message = format!(
-            "{}: unknown kind of drawing; expected .svg",
-            output.display()
-        );
-        return Err(Failure::usage(message));
-    }
-    Ok(check_output(output, &[&args.scene])?)
-}
-
-fn load(args: &ExplainArgs) -> Result<Loaded, Failure> {
-    let options = LoadOptions {
-        overrides: args.definitions.clone(),
-        resolution: match args.resolution {
-            Some(Resolution::Pixels(width, height)) => Some([width as u32, height as u32]),
-            _ => None,
-        },
-        light_size: args.shadow_maps.light_size,
-    };
-    let loaded = load_scene(&args.scene, &options)?;
-    if args.strict {
-        refuse_ignored(&args.scene, &loaded)?;
-    }
-    if let Some(output) = &args.output {
-        let inputs: Vec<_> = loaded.report.files.iter().map(PathBuf::as_path).collect();
-        check_inputs(output, &inputs)?;
-    }
-    Ok(loaded)
-}
-
 /// Options over scene file over defaults, for pictures of one sample a pixel.
 fn settings(args: &ExplainArgs, loaded: &Loaded) -> Result<Settings, Failure> {
-    let (scene, own) = (&loaded.settings, own_settings(&loaded.settings));
-    let size = resolution(args.resolution, scene.resolution.unwrap_or(own.resolution))?;
+    let own = loaded.settings.resolution;
+    let own = own.unwrap_or(Settings::default().resolution);
+    let size = resolution(args.truth.resolution, own)?;
     let ([x, y], [width, height]) = (args.pixel, size);
     if x >= width || y >= height {
         let (right, bottom) = (width - 1, height - 1);
@@ -158,29 +109,11 @@ fn settings(args: &ExplainArgs, loaded: &Loaded) -> Result<Settings, Failure> {
             "--pixel: {x},{y} is outside of the picture of {width}x{height}; expected a column from 0 to {right} and a row from 0 to {bottom}"
         )));
     }
+    let settings = args.truth.settings(loaded, size)?;
     Ok(Settings {
-        method: Method::ShadowMap,
-        resolution: size,
-        sampling: Sampling::Fixed { spp: 1 },
-        depth: args.depth.or(scene.depth).unwrap_or(own.depth),
-        min_weight: scene.min_weight.unwrap_or(own.min_weight),
-        glass_shadows: args
-            .glass_shadows
-            .map(Into::into)
-            .or(scene.glass_shadows)
-            .or(own.glass_shadows),
-        shadow_maps: choose_shadow_maps(&args.shadow_maps, loaded)?,
-        ..own
+        depth: args.depth.unwrap_or(settings.depth),
+        ..settings
     })
-}
-
-/// The light that is asked for, or all of them.
-fn choose_lights(args: &ExplainArgs, lights: &[Light]) -> Result<Vec<usize>, Failure> {
-    match &args.light {
-        Some(_) if lights.is_empty() => Err(Failure::usage("--light: the scene has no lights")),
-        Some(wanted) => Ok(vec![named_light("--light", wanted, lights)?]),
-        None => Ok((0..lights.len()).collect()),
-    }
 }
 
 /// The brightness in which colours are told: that of the picture by shadow maps where it is to be chosen by itself.
@@ -194,7 +127,7 @@ fn stops(
 ) -> f32 {
     let own = loaded.settings.exposure.map(Exposure::Stops);
     let asked = args.exposure.or(own);
-    match asked.unwrap_or(default_exposure(&args.scene, loaded)) {
+    match asked.unwrap_or(default_exposure(&args.truth.scene, loaded)) {
         Exposure::Stops(stops) => stops,
         Exposure::Auto => {
             let control = Control {

@@ -17,7 +17,7 @@ pub(super) fn report(job: &Job, found: &Explanation) -> String {
     let mut lines = vec![
         format!(
             "{} {width}x{height}, camera {:?}, pixel {x},{y}: {} by shadow maps, {} by Whitted's rays",
-            job.args.scene.display(),
+            job.args.truth.scene.display(),
             job.camera.name,
             job.hex(mapped),
             job.hex(whitted),

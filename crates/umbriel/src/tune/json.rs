@@ -14,12 +14,12 @@ pub(super) fn to_json(job: &Job, tuned: &[TunedLight], seconds: f64, total: f64)
         |path: &Option<std::path::PathBuf>| path.as_ref().map(|path| path.display().to_string());
     let lights: Vec<Value> = tuned.iter().map(|light| light_json(job, light)).collect();
     json!({
-        "scene": job.args.scene.display().to_string(),
+        "scene": job.args.truth.scene.display().to_string(),
         "camera": job.camera.name,
         "cameras": job.args.cameras,
         "width": job.settings.resolution[0],
         "height": job.settings.resolution[1],
-        "tolerance": job.args.tolerance,
+        "tolerance": job.args.truth.tolerance,
         "output": path(&job.args.output),
         "plot": path(&job.args.plot),
         "lights": lights,

@@ -87,10 +87,9 @@ pub(super) fn views(
 
 /// The truth of a light, as the options ask for it.
 pub(super) fn truth_settings(job: &Job) -> TruthSettings {
-    TruthSettings {
-        glass_shadows: job.settings.glass(),
-        rays: job.args.truth_rays,
-    }
+    /// Enough for sums over several cameras.
+    const RAYS: u32 = 128;
+    job.args.truth.truth(job.settings, RAYS)
 }
 
 /// Tunes one light on the rayon pool that it is called in.
@@ -140,7 +139,7 @@ fn front(
     let light = &job.bvh.scene().lights[bench.light];
     let size = bench.settings.shadow_maps[bench.light].light_size;
     let space = TuneSpace::of(light, size);
-    let progress = Counter::new(job.args.quiet, expected(&space, LEVELS));
+    let progress = Counter::new(job.args.truth.quiet, expected(&space, LEVELS));
     let say = |tried| progress.update(tried);
     let mut search = Search::new(bench, &space, &say);
     let front = search.front(budget, LEVELS);
@@ -161,12 +160,12 @@ fn trace<'a>(
     light: usize,
     truth: &TruthSettings,
 ) -> TuneBench<'a> {
-    let progress = Progress::new(job.args.quiet, true);
+    let progress = Progress::new(job.args.truth.quiet, true);
     let control = Control {
         stop: &STOP,
         progress: &|done, total| progress.update(done, total),
     };
-    let tolerance = job.args.tolerance;
+    let tolerance = job.args.truth.tolerance;
     let bench = TuneBench::new(
         job.bvh,
         job.settings,
@@ -217,7 +216,7 @@ fn tune_engine(
     let place = place(bench);
     let default = (dialect.default)(light, &place);
     let space = dialect.space(light, &place);
-    let progress = Counter::new(job.args.quiet, expected(&space, 1));
+    let progress = Counter::new(job.args.truth.quiet, expected(&space, 1));
     let say = |tried| progress.update(tried);
     let mut search = Search::new(bench, &space, &say);
     let best = search.best(budget);

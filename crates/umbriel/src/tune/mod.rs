@@ -16,42 +16,31 @@ use crate::{
     camera::choose_camera,
     errors::Failure,
     plan::{check_free, resolution},
-    render::{build_pool, refuse_ignored, timed},
+    render::{build_pool, timed},
     run::print_line,
     say::say,
-    shadow_maps::{check_shadow_memory, choose_shadow_maps, own_settings},
-    show::named_light,
-    summary::ignored_line,
-    values::Resolution,
+    shadow_maps::check_shadow_memory,
 };
 use measure::{Job, Refusal, TunedLight, tune, views};
-use std::{
-    path::{Path, PathBuf},
-    time::Instant,
-};
+use std::time::Instant;
 use umbriel_formats::{
-    LoadOptions, Loaded, check_inputs, check_output, load_scene,
-    render::{Light, Method, Sampling, SceneBvh, Settings},
+    Loaded,
+    render::{Light, SceneBvh, Settings},
     write_file,
 };
 
 /// Loads, searches, and says, draws and writes what was found; `start` is when the work began.
 pub(crate) fn run(args: &TuneArgs, start: Instant) -> Result<(), Failure> {
-    check_files(args)?;
-    let pool = build_pool(args.threads)?;
-    let loaded = pool.install(|| load(args))?;
+    let truth = &args.truth;
+    truth.check_file(&args.output, "toml", "the settings")?;
+    truth.check_file(&args.plot, "svg", "the plot")?;
+    let pool = build_pool(truth.threads)?;
+    let loaded = pool.install(|| truth.load(args.output.iter().chain(&args.plot)))?;
     let (lights, settings) = (&loaded.scene.lights, settings(args, &loaded)?);
     let chosen = choose_lights(args, lights)?;
     check_sizes(args, &settings, lights)?;
-    let camera = choose_camera(&loaded.scene, &args.view)?;
-    if !args.quiet {
-        for note in &loaded.report.notes {
-            say(&format!("note: {note}"));
-        }
-        ignored_line(&loaded.report)
-            .iter()
-            .for_each(|line| say(line));
-    }
+    let camera = choose_camera(&loaded.scene, &args.truth.view)?;
+    truth.say_notes(&loaded);
     let bvh = SceneBvh::without_trees(&loaded.scene);
     let job = Job {
         args,
@@ -72,11 +61,11 @@ pub(crate) fn run(args: &TuneArgs, start: Instant) -> Result<(), Failure> {
 
 fn report(job: &Job, tuned: &[TunedLight], seconds: f64, start: Instant) -> Result<(), Failure> {
     let total = start.elapsed().as_secs_f64();
-    if job.args.json {
+    if job.args.truth.json {
         return print_line(&json::to_json(job, tuned, seconds, total).to_string());
     }
     print_line(&words::report(job, tuned))?;
-    if !job.args.quiet {
+    if !job.args.truth.quiet {
         say(&words::times(job.args, tuned, seconds, total));
     }
     Ok(())
@@ -108,7 +97,7 @@ fn tune_all(job: &Job, chosen: &[usize]) -> Result<Vec<TunedLight>, Failure> {
     if tuned.is_empty() {
         return Err(Failure::usage(refused.join("; ")));
     }
-    if !job.args.quiet {
+    if !job.args.truth.quiet {
         refused
             .iter()
             .for_each(|words| say(&format!("note: {words}")));
@@ -116,80 +105,21 @@ fn tune_all(job: &Job, chosen: &[usize]) -> Result<Vec<TunedLight>, Failure> {
     Ok(tuned)
 }
 
-/// Refuses files that cannot be written, before any work.
-fn check_files(args: &TuneArgs) -> Result<(), Failure> {
-    let files = [
-        (&args.output, "toml", "settings"),
-        (&args.plot, "svg", "plot"),
-    ];
-    for (path, extension, what) in files {
-        let Some(path) = path else { continue };
-        let is_kind = path
-            .extension()
-            .is_some_and(|own| own.eq_ignore_ascii_case(extension));
-        if !is_kind {
-            let message = format!(
-                "{}: unknown kind of file; expected .{extension} for the {what}",
-                path.display()
-            );
-            return Err(Failure::usage(message));
-        }
-        check_output(path, &[&args.scene])?;
-    }
-    Ok(())
-}
-
-fn load(args: &TuneArgs) -> Result<Loaded, Failure> {
-    let options = LoadOptions {
-        overrides: args.definitions.clone(),
-        resolution: match args.resolution {
-            Some(Resolution::Pixels(width, height)) => Some([width as u32, height as u32]),
-            _ => None,
-        },
-        light_size: args.shadow_maps.light_size,
-    };
-    let loaded = load_scene(&args.scene, &options)?;
-    if args.strict {
-        refuse_ignored(&args.scene, &loaded)?;
-    }
-    let inputs: Vec<&Path> = loaded.report.files.iter().map(PathBuf::as_path).collect();
-    for path in [&args.output, &args.plot].into_iter().flatten() {
-        check_inputs(path, &inputs)?;
-    }
-    Ok(loaded)
-}
-
 /// Greatest side of a picture whose size is not asked for.
 const USUAL_SIDE: u32 = 320;
 
-/// Options over scene file over defaults. Pictures have one sample a pixel, at its centre, where the truth is asked for.
 fn settings(args: &TuneArgs, loaded: &Loaded) -> Result<Settings, Failure> {
-    let own = own_settings(&loaded.settings);
-    if !own.shadows {
-        let message = "the scene says `shadows = false`, so no light casts any; -D render.shadows=true turns them on";
-        return Err(Failure::usage(message));
-    }
-    let scene = &loaded.settings;
-    let whole = scene.resolution.unwrap_or(own.resolution);
+    let own = loaded.settings.resolution;
+    let whole = own.unwrap_or(Settings::default().resolution);
     let longest = whole[0].max(whole[1]).max(1);
-    let usual = match args.resolution {
+    let usual = match args.truth.resolution {
         None if longest > USUAL_SIDE => {
             whole.map(|side| (side * USUAL_SIDE).div_ceil(longest).max(1))
         }
         _ => whole,
     };
-    Ok(Settings {
-        method: Method::ShadowMap,
-        resolution: resolution(args.resolution, usual)?,
-        sampling: Sampling::Fixed { spp: 1 },
-        glass_shadows: args
-            .glass_shadows
-            .map(Into::into)
-            .or(scene.glass_shadows)
-            .or(own.glass_shadows),
-        shadow_maps: choose_shadow_maps(&args.shadow_maps, loaded)?,
-        ..own
-    })
+    let size = resolution(args.truth.resolution, usual)?;
+    args.truth.settings(loaded, size)
 }
 
 /// The light that is asked for, or all of them.
@@ -198,10 +128,7 @@ fn choose_lights(args: &TuneArgs, lights: &[Light]) -> Result<Vec<usize>, Failur
         let message = "the scene has no lights, so there are no shadow maps to tune";
         return Err(Failure::usage(message));
     }
-    match &args.light {
-        Some(wanted) => Ok(vec![named_light("--light", wanted, lights)?]),
-        None => Ok((0..lights.len()).collect()),
-    }
+    args.truth.choose_lights(lights)
 }
 
 /// Bytes for each pixel of a camera: its point, and for each light its question and truth.

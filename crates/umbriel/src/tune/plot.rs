@@ -109,7 +109,7 @@ fn titles(job: &Job, tuned: &TunedLight, light: &str) -> Vec<String> {
     let title = format!("Light {light:?}: wrong pixels over texels");
     let about = format!(
         "{}, {}, {} settings tried",
-        job.args.scene.display(),
+        job.args.truth.scene.display(),
         cameras(job.args.cameras),
         tuned.tried
     );

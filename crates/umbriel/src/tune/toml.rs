@@ -9,7 +9,7 @@ use umbriel_formats::render::{Light, ShadowMapSettings};
 /// A table `[render.shadow_map]` for the first light tuned, which others have, too, unless they have a table of their own; for each further one a line to paste
 /// into its table.
 pub(super) fn settings_file(job: &Job, tuned: &[TunedLight]) -> String {
-    let scene = job.args.scene.file_name().unwrap_or_default();
+    let scene = job.args.truth.scene.file_name().unwrap_or_default();
     let mut lines = vec![
         format!("# Shadow maps of {}, by `umbriel tune`.", scene.display()),
         "# What a scene says itself goes before what it includes: take its own `shadow_map` away to use this.".to_owned(),

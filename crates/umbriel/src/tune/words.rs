@@ -12,10 +12,10 @@ pub(super) fn report(job: &Job, tuned: &[TunedLight]) -> String {
     let [width, height] = job.settings.resolution;
     let mut lines = vec![format!(
         "{} {width}x{height}, {} around {:?}, differences above {} of a light",
-        job.args.scene.display(),
+        job.args.truth.scene.display(),
         cameras(job.args.cameras),
         job.camera.name,
-        job.args.tolerance
+        job.args.truth.tolerance
     )];
     for light in tuned {
         lines.push(String::new());

@@ -19,7 +19,7 @@ pub(super) fn draw(job: &Job, found: &Explanation) -> String {
     let [x, y] = found.pixel;
     let title = format!(
         "{}, camera {:?}, pixel {x},{y}",
-        job.args.scene.display(),
+        job.args.truth.scene.display(),
         job.camera.name
     );
     let mut content = bold(text([GAP, 24.0], "start", &title)) + "\n";
