@@ -55,6 +55,29 @@ fn causes_add_up_and_threads_do_not_matter() {
     assert!(lights.iter().map(wrong).sum::<u64>() > 0, "{one}");
 }
 
+/// With one light, of which everything or nothing arrives, the wrong pixels are those in which two pictures of light differ that were drawn apart.
+#[test]
+fn sums_are_those_of_an_independent_count() {
+    let folder = Folder::new();
+    for flags in [
+        "--shadow-bias none --shadow-map-size 64",
+        "--shadow-bias constant:8 --shadow-map-size 128",
+    ] {
+        let flags = format!("{flags} --shadow-filter hard --light-size 0 -r 160x120");
+        let found = result(&folder, &format!("compare scene.toml --json {flags}"));
+        let light = &found["lights"][0];
+        let sides = ["wrongly_dark", "wrongly_lit"];
+        let wrong = sides.map(|side| number(&light[side]["all"]["pixels"]));
+        folder.ok(&format!(
+            "render scene.toml -q -m shadow-map -o maps.exr {flags}"
+        ));
+        folder.ok("render scene.toml -q -m ray-cast -o rays.exr -r 160x120");
+        let diff = folder.ok("diff maps.exr rays.exr --json --tolerance 1e-5");
+        assert_eq!(wrong[0] + wrong[1], number(&diff.json()["differing"]));
+        assert!(wrong[0] + wrong[1] > 20, "{found}");
+    }
+}
+
 /// The numbers of the pictures are those of `diff` between the picture by maps and the one by rays.
 #[test]
 fn pictures_are_compared_as_diff_compares_them() {
