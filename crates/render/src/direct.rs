@@ -349,12 +349,31 @@ pub(crate) fn share_of(
 /// The ray from a surface to the end of `to_light`.
 #[inline(always)]
 pub(crate) fn shadow_ray(surface: &SurfaceInteraction, to_light: Vec3, t_max: f32) -> Ray {
-    let origin = offset_origin(surface.shadow_p, surface.error, surface.ng, to_light);
+    let SurfaceInteraction {
+        p,
+        shadow_p,
+        error,
+        ng,
+        ..
+    } = *surface;
+    ray_to_light([p, shadow_p], error, ng, to_light, t_max)
+}
+
+/// The ray from the points `[p, shadow_p]` of a surface to the end of `to_light`; see [`SurfaceInteraction`] for the others.
+#[inline(always)]
+pub(crate) fn ray_to_light(
+    [p, shadow_p]: [Vec3; 2],
+    error: Vec3,
+    ng: Vec3,
+    to_light: Vec3,
+    t_max: f32,
+) -> Ray {
+    let origin = offset_origin(shadow_p, error, ng, to_light);
     Ray {
         origin,
         // The offset moved the origin: aim at the light again.
         dir: if t_max <= 1.0 {
-            surface.p + to_light - origin
+            p + to_light - origin
         } else {
             to_light
         },

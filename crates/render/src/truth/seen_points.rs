@@ -2,7 +2,7 @@
 
 use crate::{
     Camera, CameraFrame, Light, Method, Sampling, SceneBvh, Settings, SurfaceInteraction,
-    direct::share_of,
+    direct::{ray_to_light, share_of},
     eye_raster::{EyeRaster, Seen, TILE, least_w},
     hit_groups::HitGroups,
     render::raster_samples,
@@ -11,9 +11,8 @@ use crate::{
 };
 use rayon::prelude::*;
 use umbriel_kernels::{
-    Hit, Interval, LANES, Ray, TileImage,
+    Hit, LANES, Ray, TileImage,
     glam::{Vec2, Vec3},
-    offset_origin,
 };
 
 /// A visible point, as lights are asked about it.
@@ -72,19 +71,13 @@ impl SeenPoint {
     /// The ray to the end of `to_light`, as direct light sends it.
     #[inline]
     pub fn shadow_ray(&self, to_light: Vec3, t_max: f32) -> Ray {
-        let origin = offset_origin(self.shadow_p, self.error, self.ng, to_light);
-        Ray {
-            origin,
-            dir: if t_max <= 1.0 {
-                self.p + to_light - origin
-            } else {
-                to_light
-            },
-            t: Interval {
-                min: 0.0,
-                max: t_max,
-            },
-        }
+        ray_to_light(
+            [self.p, self.shadow_p],
+            self.error,
+            self.ng,
+            to_light,
+            t_max,
+        )
     }
 }
 
