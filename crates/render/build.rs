@@ -18,7 +18,10 @@ fn main() {
             let (total, grazing) = ggx((x * x).max(1e-4), (y * y).max(1e-4));
             grazing / total
         }),
-        table::<24>("SHEEN", |x, y| sheen((x * x).max(1e-4), (y * y).max(0.01))),
+        table::<32>("SHEEN", |x, y| {
+            let roughness = 0.1 + 0.9 * y * y;
+            sheen((x * x).max(1e-4), roughness * roughness)
+        }),
     ];
     let folder = env::var("OUT_DIR").expect("cargo names the folder");
     fs::write(Path::new(&folder).join("energy_tables.rs"), text.concat()).expect("can be written");

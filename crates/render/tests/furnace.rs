@@ -1,6 +1,6 @@
 //! The furnace: in uniform light from all sides, no material gives more than it gets, and white ones give all of it.
 
-use proptest::prelude::*;
+use proptest::{prelude::*, test_runner::RngSeed};
 use umbriel_render::{
     Albedo, Brush, Bsdf, Layers, albedo_sheen, eval_ggx, eval_sheen,
     kernels::glam::{Vec2, Vec3},
@@ -90,6 +90,21 @@ fn tables_are_integrals() {
     }
 }
 
+/// Of narrow sheen, too, which gives the most at grazing angles.
+#[test]
+fn sheen_is_known_at_grazing_angles() {
+    for roughness in [0.1_f32, 0.105, 0.12, 0.2, 0.5, 0.9] {
+        for cos in [0.011_f32, 0.02, 0.03, 0.05, 0.1] {
+            let (wo, alpha) = (towards(cos), roughness * roughness);
+            let sum = hemisphere(500, |wi| {
+                Vec3::splat(eval_sheen(alpha, Vec3::Y, (wo + wi).normalize(), wo, wi) * wi.y)
+            });
+            let found = albedo_sheen(cos, roughness) / sum.x;
+            assert!((found - 1.0).abs() < 5e-3, "{roughness} {cos}: {found}");
+        }
+    }
+}
+
 /// What facets pass on to each other comes out again.
 #[test]
 fn white_metal_gives_all_that_it_gets() {
@@ -171,6 +186,32 @@ fn brushed_metal_gives_no_more_than_it_gets() {
     }
 }
 
+/// Seen from inside, too, where facets that reflect all of the light let none of it through; and white metal, whose facets pass light on.
+#[test]
+fn brushed_materials_give_no_more_than_they_get() {
+    for (metallic, eta) in [(0.0, 0.5), (0.0, 2.0), (1.0, 2.0)] {
+        for (roughness, anisotropy) in [(0.1, 0.36), (0.1, 0.5), (0.3, 0.9), (0.6, 0.1)] {
+            let brushed = Bsdf {
+                metallic,
+                roughness,
+                transmission: 1.0,
+                ior: 2.0,
+                eta,
+                layers: Some(Layers {
+                    anisotropy,
+                    tangent: Vec3::X,
+                    ..Layers::NONE
+                }),
+                ..Bsdf::default()
+            };
+            for cos in [0.011, 0.03, 0.1, 0.4, 0.8, 0.93, 1.0] {
+                let sum = furnace(&brushed, towards(cos), 96).max_element();
+                assert!(sum < 1.005 && sum > 0.5, "{brushed:?} {cos}: {sum}");
+            }
+        }
+    }
+}
+
 fn layers() -> impl Strategy<Value = Option<Layers>> {
     let unit = || 0.0..=1.0_f32;
     let color = || prop::array::uniform3(unit()).prop_map(Vec3::from);
@@ -227,7 +268,7 @@ fn materials() -> impl Strategy<Value = Bsdf> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
     /// The mean weight is the albedo, within the error of 4096 samples.
     #[test]

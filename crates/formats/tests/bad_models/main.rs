@@ -12,7 +12,7 @@ use crate::{
     ply::PLY,
     stl::stl,
 };
-use proptest::prelude::*;
+use proptest::{prelude::*, test_runner::RngSeed};
 use std::{fs, path::Path};
 use umbriel_formats::{ErrorKind, FileError, Report, import_model};
 use umbriel_render::Scene;
@@ -48,7 +48,7 @@ fn the_content_decides_what_a_file_is() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, rng_seed: RngSeed::Fixed(1), ..ProptestConfig::default() })]
 
     /// Any few bytes of a small file are changed: it is read or refused.
     #[test]

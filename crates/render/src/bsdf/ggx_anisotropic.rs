@@ -1,6 +1,9 @@
 //! The rough specular lobe of brushed surfaces: GGX with two widths.
 
-use super::ggx::{bound, sample_cap};
+use super::{
+    ggx::{bound, sample_cap},
+    ggx_transmission::refraction_jacobian,
+};
 use std::f32::consts::PI;
 use umbriel_kernels::glam::{Vec2, Vec3};
 
@@ -69,6 +72,13 @@ impl Brush {
         (self.x * h.x + self.y * h.y + self.n * h.z).normalize_or(self.n)
     }
 
+    /// A microfacet normal among all those seen from `wo`, as [`sample_ggx_visible`](super::sample_ggx_visible) for one width.
+    pub fn sample_visible(&self, wo: Vec3, u: Vec2) -> Vec3 {
+        let o = self.local(wo).max(Vec3::new(-1.0, -1.0, 0.0));
+        let h = sample_cap(self.alpha, o, 1.0, u);
+        (self.x * h.x + self.y * h.y + self.n * h.z).normalize_or(self.n)
+    }
+
     /// The density in 1/sr of the direction that [`Brush::sample`]'s normal `half` mirrors `wo` to.
     pub fn pdf(&self, half: Vec3, wo: Vec3) -> f32 {
         let o = self.local(wo);
@@ -77,5 +87,37 @@ impl Brush {
         }
         let above = bound(self.alpha.min_element(), o.z.min(1.0)) * o.z;
         self.distribution(half) / (2.0 * (above + self.stretched(o)))
+    }
+
+    /// The density of the direction that [`Brush::sample_visible`]'s normal `half` mirrors `wo` to.
+    ///
+    /// Source: Heitz, "Sampling the GGX Distribution of Visible Normals", Journal of Computer Graphics Techniques 7(4), 2018.
+    pub fn pdf_visible(&self, half: Vec3, wo: Vec3) -> f32 {
+        let o = self.local(wo);
+        if !(o.z > 0.0) {
+            return 0.0;
+        }
+        self.distribution(half) / (2.0 * (o.z + self.stretched(o)))
+    }
+
+    /// The density in 1/sr of the direction to which [`Brush::sample_visible`]'s normal `half` refracts `wo`, as
+    /// [`pdf_ggx_transmission`](super::pdf_ggx_transmission) for one width.
+    pub fn pdf_transmission(&self, eta: f32, half: Vec3, wo: Vec3, wi: Vec3) -> f32 {
+        let (o, i) = (self.local(wo), self.local(wi));
+        if !(o.z > 0.0 && i.z < 0.0) {
+            return 0.0;
+        }
+        let visible = self.masking(o) * self.distribution(half) * wo.dot(half).abs() / o.z;
+        visible * refraction_jacobian(eta, half, wo, wi)
+    }
+
+    /// `f |wi·n|` of the transmitted lobe without its Fresnel factor, as [`eval_ggx_transmission`](super::eval_ggx_transmission) for one width.
+    pub fn eval_transmission(&self, eta: f32, half: Vec3, wo: Vec3, wi: Vec3) -> f32 {
+        self.pdf_transmission(eta, half, wo, wi) * self.masking(-self.local(wi))
+    }
+
+    /// Smith's `G₁` of a direction above the surface, in the brush's own axes.
+    fn masking(&self, w: Vec3) -> f32 {
+        2.0 * w.z / (w.z + self.stretched(w))
     }
 }

@@ -48,11 +48,18 @@ pub fn pdf_ggx_transmission(alpha: f32, eta: f32, n: Vec3, half: Vec3, wo: Vec3,
     if !(cos_o > 0.0 && cos_i < 0.0) {
         return 0.0;
     }
+    let a2 = alpha * alpha;
+    let distribution = a2 / a2_over_distribution(a2, n.dot(half));
+    let visible = masking(alpha, cos_o) * distribution * wo.dot(half).abs() / cos_o;
+    visible * refraction_jacobian(eta, half, wo, wi)
+}
+
+/// `η² |wi·h| / (wo·h + η wi·h)²`: solid angles of facets' normals over those of the directions to which they refract.
+#[inline(always)]
+pub(super) fn refraction_jacobian(eta: f32, half: Vec3, wo: Vec3, wi: Vec3) -> f32 {
     let (o, i) = (wo.dot(half), wi.dot(half));
     let spread = o + eta * i;
-    let jacobian = eta * eta * i.abs() / (spread * spread);
-    let a2 = alpha * alpha;
-    masking(alpha, cos_o) * a2 / a2_over_distribution(a2, n.dot(half)) * o.abs() / cos_o * jacobian
+    eta * eta * i.abs() / (spread * spread)
 }
 
 /// Smith's `G₁`: the fraction of the microfacets facing a direction that is seen from it; `cos` from the surface's normal, in `(0, 1]`.

@@ -10,7 +10,7 @@ use umbriel_kernels::glam::Vec3;
 /// Reflectance of a clear coat at normal incidence: that of an index of 1.5.
 pub(super) const COAT_F0: f32 = 0.04;
 /// Narrowest sheen; its tables have no less.
-const LEAST_SHEEN: f32 = 0.1;
+pub(super) const LEAST_SHEEN: f32 = 0.1;
 
 /// Factors of the layers; [`Layers::NONE`] changes nothing. A part of the material as authored and of its value at a point.
 ///

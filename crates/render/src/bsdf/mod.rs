@@ -174,16 +174,24 @@ impl Bsdf {
         let (d0, d90) = self.dielectric(cos_o);
         let inside = 1.0 - albedo.reflected(d0, d90).max_element();
         let f = eval_diffuse(self.diffuse_color() * inside);
-        let alpha = width(self.roughness);
-        if alpha == 0.0 {
+        if self.roughness == 0.0 {
             return f;
         }
-        let facets = match self.brush(n) {
-            Some(brush) => brush.eval(half, wo, wi),
-            None => eval_ggx(alpha, n, half, wo, wi),
-        };
         let f0 = d0.lerp(self.metal(cos_o), self.metallic);
-        f + self.fresnel(wo.dot(half), cos_o) * albedo.compensation(f0) * facets
+        let between = match self.layers.filter(|layers| layers.anisotropy > 0.0) {
+            Some(layers) => albedo.brushed(cos_o, width(self.roughness), layers.anisotropy),
+            None => albedo,
+        };
+        let facets = self.eval_facets(n, half, wo, wi);
+        f + self.fresnel(wo.dot(half), cos_o) * between.compensation(f0) * facets
+    }
+
+    /// `D V` of the rough specular lobe.
+    fn eval_facets(&self, n: Vec3, half: Vec3, wo: Vec3, wi: Vec3) -> f32 {
+        match self.brush(n) {
+            Some(brush) => brush.eval(half, wo, wi),
+            None => eval_ggx(width(self.roughness), n, half, wo, wi),
+        }
     }
 
     /// The axes of a brushed surface.

@@ -165,12 +165,20 @@ impl Bsdf {
         if self.thin_walled {
             let mirrored = wi - n * (2.0 * cos_i);
             let half = (wo + mirrored).normalize_or(n);
-            return lobes.transmitted * pdf_ggx_visible(alpha, n, half, wo);
+            let visible = match self.brush(n) {
+                Some(brush) => brush.pdf_visible(half, wo),
+                None => pdf_ggx_visible(alpha, n, half, wo),
+            };
+            return lobes.transmitted * visible;
         }
-        let half = refracting_half(self.eta, n, wo, wi);
-        half.map_or(0.0, |half| {
-            lobes.transmitted * pdf_ggx_transmission(alpha, self.eta, n, half, wo, wi)
-        })
+        let Some(half) = refracting_half(self.eta, n, wo, wi) else {
+            return 0.0;
+        };
+        let refracted = match self.brush(n) {
+            Some(brush) => brush.pdf_transmission(self.eta, half, wo, wi),
+            None => pdf_ggx_transmission(alpha, self.eta, n, half, wo, wi),
+        };
+        lobes.transmitted * refracted
     }
 
     fn pdf_reflected(&self, n: Vec3, wo: Vec3, wi: Vec3, lobes: &Lobes) -> f32 {
@@ -201,7 +209,10 @@ impl Bsdf {
         let half = match lobe {
             Lobe::Diffuse => return Some(sample_diffuse(n, u)),
             Lobe::Transmitted => {
-                let half = sample_ggx_visible(width(self.roughness), n, wo, u);
+                let half = match self.brush(n) {
+                    Some(brush) => brush.sample_visible(wo, u),
+                    None => sample_ggx_visible(width(self.roughness), n, wo, u),
+                };
                 return self.pass(n, half, wo);
             }
             Lobe::Coat => sample_ggx(self.coat_width(), n, wo, u),
@@ -298,8 +309,11 @@ impl Bsdf {
         let alpha = width(self.roughness);
         if self.thin_walled {
             let mirrored = wi - n * (2.0 * n.dot(wi));
-            return super::eval_ggx(alpha, n, half, wo, mirrored) * n.dot(mirrored);
+            return self.eval_facets(n, half, wo, mirrored) * n.dot(mirrored);
         }
-        eval_ggx_transmission(alpha, self.eta, n, half, wo, wi)
+        match self.brush(n) {
+            Some(brush) => brush.eval_transmission(self.eta, half, wo, wi),
+            None => eval_ggx_transmission(alpha, self.eta, n, half, wo, wi),
+        }
     }
 }

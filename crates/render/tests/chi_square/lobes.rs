@@ -103,6 +103,31 @@ fn rough_glass() {
     }
 }
 
+/// As [`rough_glass`], drawn out.
+#[test]
+fn brushed_glass() {
+    let n = Vec3::new(0.3, 0.8, -0.4).normalize();
+    let (x, y) = n.any_orthonormal_pair();
+    for (alpha, anisotropy, cos_o) in [(0.3_f32, 0.6_f32, 0.8_f32), (0.2, 0.8, 0.4)] {
+        let wo = n * cos_o + (x * 0.6 + y * 0.8) * (1.0 - cos_o * cos_o).sqrt();
+        let brush = Brush::new(alpha, anisotropy, x, n).expect("a tangent");
+        let sample = |u| {
+            let half = brush.sample_visible(wo, u);
+            let Some(wi) = refract(wo, half, 1.5) else {
+                return towards(n, 0.0);
+            };
+            towards(wi, brush.pdf_transmission(1.5, half, wo, wi))
+        };
+        let pdf = |wi: Vec3| {
+            let half = refracting_half(1.5, n, wo, wi);
+            half.map_or(0.0, |half| {
+                f64::from(brush.pdf_transmission(1.5, half, wo, wi))
+            })
+        };
+        check("brushed glass", -n, sample, pdf);
+    }
+}
+
 /// What the lobe's samples weigh, `f cos / p`, is the masking of the second direction alone: in `[0, 1]`.
 #[test]
 fn weights_of_visible_normals_are_maskings() {
@@ -140,28 +165,45 @@ fn plastic() -> Bsdf {
     }
 }
 
-/// Whole materials: what [`Bsdf::sample`] chooses has the density [`Bsdf::pdf`], and the weight is that of [`Bsdf::eval_through`].
-#[test]
-fn materials() {
+/// The normal of the materials' surface, and where it is seen from.
+fn seen() -> (Vec3, Vec3) {
     let n = Vec3::new(0.3, 0.8, -0.4).normalize();
     let (x, _) = n.any_orthonormal_pair();
-    let wo = n * 0.7 + x * (1.0 - 0.49_f32).sqrt();
-    let metal = Bsdf {
-        metallic: 1.0,
-        ..plastic()
-    };
-    let frosted = Bsdf {
+    (n, n * 0.7 + x * (1.0 - 0.49_f32).sqrt())
+}
+
+fn frosted() -> Bsdf {
+    Bsdf {
         transmission: 0.6,
         roughness: 0.6,
         ..plastic()
-    };
-    let leaf = Bsdf {
+    }
+}
+
+fn leaf() -> Bsdf {
+    Bsdf {
         transmission: 0.5,
         thin_walled: true,
         eta: 1.0,
         roughness: 0.7,
         ..plastic()
+    }
+}
+
+#[test]
+fn plain_materials() {
+    let metal = Bsdf {
+        metallic: 1.0,
+        ..plastic()
     };
+    check_material("plastic", &plastic());
+    check_material("metal", &metal);
+    check_material("frosted", &frosted());
+    check_material("leaf", &leaf());
+}
+
+#[test]
+fn layered_materials() {
     let lacquer = Bsdf {
         metallic: 0.5,
         layers: Some(Layers {
@@ -173,50 +215,66 @@ fn materials() {
         }),
         ..plastic()
     };
+    check_material("lacquer", &lacquer);
+    let brushed_velvet = Layers {
+        sheen_color: Vec3::new(0.3, 0.5, 0.9),
+        sheen_roughness: 0.4,
+        ..scratches()
+    };
     let brushed_velvet = Bsdf {
-        layers: Some(Layers {
-            sheen_color: Vec3::new(0.3, 0.5, 0.9),
-            sheen_roughness: 0.4,
-            anisotropy: 0.8,
-            tangent: x,
-            ..Layers::NONE
-        }),
+        layers: Some(brushed_velvet),
         ..plastic()
     };
-    for (name, bsdf) in [
-        ("plastic", plastic()),
-        ("metal", metal),
-        ("frosted", frosted),
-        ("leaf", leaf),
-        ("lacquer", lacquer),
-        ("brushed velvet", brushed_velvet),
-    ] {
-        let mut lost = 0.0;
-        let mut counts = vec![0.0; ROWS * COLUMNS];
-        for i in 0..SAMPLES {
-            let lobe = random(i ^ 0x00ff_0000).x;
-            match bsdf.sample(n, wo, lobe, random(i)) {
-                None => lost += 1.0,
-                Some(s) => {
-                    assert!((s.pdf / bsdf.pdf(n, wo, s.wi) - 1.0).abs() < 1e-3);
-                    let f = bsdf.eval_through(n, wo, s.wi);
-                    assert!(
-                        (s.weight * s.pdf - f).length() <= 1e-3 * f.length(),
-                        "{name}"
-                    );
-                    counts[bin(n, s.wi)] += 1.0;
-                }
+    check_material("brushed velvet", &brushed_velvet);
+}
+
+fn scratches() -> Layers {
+    Layers {
+        anisotropy: 0.8,
+        tangent: seen().0.any_orthonormal_pair().0,
+        ..Layers::NONE
+    }
+}
+
+#[test]
+fn scratched_materials() {
+    for bsdf in [frosted(), leaf()] {
+        let scratched = Bsdf {
+            layers: Some(scratches()),
+            ..bsdf
+        };
+        check_material("scratched", &scratched);
+    }
+}
+
+/// Whole materials: what [`Bsdf::sample`] chooses has the density [`Bsdf::pdf`], and the weight is that of [`Bsdf::eval_through`].
+fn check_material(name: &str, bsdf: &Bsdf) {
+    let (n, wo) = seen();
+    let mut lost = 0.0;
+    let mut counts = vec![0.0; ROWS * COLUMNS];
+    for i in 0..SAMPLES {
+        let lobe = random(i ^ 0x00ff_0000).x;
+        match bsdf.sample(n, wo, lobe, random(i)) {
+            None => lost += 1.0,
+            Some(s) => {
+                assert!((s.pdf / bsdf.pdf(n, wo, s.wi) - 1.0).abs() < 1e-3);
+                let f = bsdf.eval_through(n, wo, s.wi);
+                assert!(
+                    (s.weight * s.pdf - f).length() <= 1e-3 * f.length(),
+                    "{name}"
+                );
+                counts[bin(n, s.wi)] += 1.0;
             }
         }
-        let shares = integral(n, |wi| f64::from(bsdf.pdf(n, wo, wi)));
-        let expected: Vec<f64> = shares.iter().map(|s| s * f64::from(SAMPLES)).collect();
-        let inside: f64 = shares.iter().sum();
-        // What the rough lobes send behind the surface is lost.
-        assert!(
-            (inside + lost / f64::from(SAMPLES) - 1.0).abs() < 5e-3,
-            "{name}: {inside} {lost}"
-        );
-        let z = deviations(&counts, &expected);
-        assert!(z < LIMIT, "{name}: {z} standard deviations");
     }
+    let shares = integral(n, |wi| f64::from(bsdf.pdf(n, wo, wi)));
+    let expected: Vec<f64> = shares.iter().map(|s| s * f64::from(SAMPLES)).collect();
+    let inside: f64 = shares.iter().sum();
+    // What the rough lobes send behind the surface is lost.
+    assert!(
+        (inside + lost / f64::from(SAMPLES) - 1.0).abs() < 5e-3,
+        "{name}: {inside} {lost}"
+    );
+    let z = deviations(&counts, &expected);
+    assert!(z < LIMIT, "{name}: {z} standard deviations");
 }
