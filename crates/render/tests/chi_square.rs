@@ -3,6 +3,9 @@
 #[path = "chi_square/lobes.rs"]
 mod lobes;
 
+#[path = "chi_square/lights.rs"]
+mod lights;
+
 use std::f64::consts::{PI, TAU};
 use umbriel_render::{
     DirectionSample, PixelSampler,

@@ -294,3 +294,6 @@ fn sky_ray(map: &EnvironmentMap, probability: f32, u: Vec2) -> Option<LightRay> 
         pdf,
     })
 }
+
+#[cfg(test)]
+mod tests;
