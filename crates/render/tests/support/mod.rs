@@ -1,9 +1,11 @@
 //! Small scenes and random numbers for the tests.
 #![allow(dead_code, reason = "each test program uses its own part")]
 
+pub(crate) mod brute_force;
 pub(crate) mod path_scene;
 pub(crate) mod shadow_scene;
 pub(crate) mod shadow_truth;
+pub(crate) mod z_test;
 
 use std::sync::atomic::AtomicBool;
 use umbriel_render::{
