@@ -183,6 +183,59 @@ mod tests {
         assert!(by_tree < 0.2 * by_power, "{by_tree} against {by_power}");
     }
 
+    /// Choices between two nodes on the way to a light.
+    fn level(tree: &LightTree, light: u32) -> u32 {
+        let mut node = tree.leaves[light as usize];
+        let mut levels = 0;
+        while tree.nodes[node as usize].parent != node {
+            node = tree.nodes[node as usize].parent;
+            levels += 1;
+        }
+        levels
+    }
+
+    /// Nodes that are looked at to choose a light, on average over many points: two a level.
+    fn nodes_looked_at(tree: &LightTree) -> f64 {
+        let choices = (0..20_000).filter_map(|i| {
+            let number = |pair| PixelSampler::new(i, 1, u32::MAX, 2).pair(0, pair);
+            let (a, b) = (number(0), number(1));
+            let p = 12.0 * Vec3::new(a.x, a.y, b.x) - 1.0;
+            let n = (i % 2 == 0).then_some(Vec3::new(0.36, 0.48, 0.8));
+            tree.sample(p, n, b.y)
+        });
+        let levels: Vec<u32> = choices.map(|(light, _)| level(tree, light)).collect();
+        assert!(levels.len() > 10_000);
+        2.0 * levels.iter().sum::<u32>() as f64 / levels.len() as f64
+    }
+
+    /// Two nodes for each doubling of the lights, and a little: 7 for 10 lights, 27 for 10,000.
+    #[test]
+    fn the_work_grows_as_the_logarithm() {
+        for count in [10, 100, 1000, 10_000, 100_000] {
+            let found = nodes_looked_at(&LightTree::build(&lights(count)));
+            let doublings = f64::from(count).log2();
+            assert!(found < 2.2 * doublings, "{count}: {found}");
+        }
+    }
+
+    /// Trees stay shallow where all lights are in one place, and where each is twice as far as the one before.
+    #[test]
+    fn no_light_lies_deep() {
+        let mut in_one_place = lights(10_000);
+        let aabb = in_one_place[0].aabb;
+        in_one_place.iter_mut().for_each(|light| light.aabb = aabb);
+        let mut doubling = lights(100);
+        for (light, power) in doubling.iter_mut().zip(-50..) {
+            let at = Vec3::X * 2.0_f32.powi(power);
+            light.aabb = Aabb { min: at, max: at };
+        }
+        for (lights, most) in [(in_one_place, 14), (doubling, 50)] {
+            let tree = LightTree::build(&lights);
+            let deepest = (0..lights.len() as u32).map(|light| level(&tree, light));
+            assert!(deepest.max() <= Some(most));
+        }
+    }
+
     /// A light far away that gives nothing takes no share from those nearby.
     #[test]
     fn a_dark_light_changes_no_choice() {
