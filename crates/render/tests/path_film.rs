@@ -5,10 +5,11 @@ mod support;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use support::{
     draw,
-    path_scene::{paths, room, room_eye},
+    path_scene::{everything, paths, room, room_eye},
 };
 use umbriel_render::{
-    Aov, Control, Film, Layer, PathFilm, SceneBvh, Settings, StopReason, kernels::VectorUnit,
+    Aov, Camera, Control, Film, Layer, Method, PathFilm, Scene, SceneBvh, Settings, StopReason,
+    kernels::VectorUnit,
 };
 
 const SIZE: [u32; 2] = [37, 26];
@@ -37,9 +38,32 @@ fn layer_bits(layers: &[Layer]) -> Vec<u32> {
 const LAYERS: [Aov; 4] = [Aov::Direct, Aov::Indirect, Aov::SampleCount, Aov::Variance];
 
 fn finish<'a>(bvh: &'a SceneBvh<'a>, settings: &'a Settings) -> PathFilm<'a> {
-    let mut film = PathFilm::new(bvh, &room_eye(), settings);
+    finish_from(bvh, &room_eye(), settings)
+}
+
+fn finish_from<'a>(bvh: &'a SceneBvh<'a>, camera: &Camera, settings: &'a Settings) -> PathFilm<'a> {
+    let mut film = PathFilm::new(bvh, camera, settings);
     while film.pass(&quiet()) {}
     film
+}
+
+/// What must have the same bytes however it is made: a room by paths; all kinds of lights and materials through a lens by paths and by
+/// distributed rays.
+fn cases() -> Vec<(Scene, Camera, Settings)> {
+    let [fixed, noise] = both_ways();
+    let distributed = Settings {
+        method: Method::Distributed,
+        ..fixed.clone()
+    };
+    let distributed_noise = Settings {
+        method: Method::Distributed,
+        ..noise.clone()
+    };
+    let (scene, camera) = everything();
+    let rich = [fixed.clone(), distributed, distributed_noise];
+    let rich = rich.map(|settings| (scene.clone(), camera.clone(), settings));
+    let plain = [fixed, noise].map(|settings| (room(), room_eye(), settings));
+    plain.into_iter().chain(rich).collect()
 }
 
 /// Fixed numbers of samples and blocks that stop one by one.
@@ -57,14 +81,16 @@ fn both_ways() -> [Settings; 2] {
 
 #[test]
 fn threads_and_vector_units_change_nothing() {
-    let scene = room();
-    for settings in both_ways() {
+    for (scene, camera, settings) in cases() {
         let bvh = SceneBvh::build(&scene);
-        let film = finish(&bvh, &settings);
+        let film = finish_from(&bvh, &camera, &settings);
+        assert_eq!(film.film().stats.bad_samples, 0);
         let (picture, layers) = (bits(&film.film()), layer_bits(&film.layers(&LAYERS)));
         for threads in [1, 2, 3, 8] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let again = pool.unwrap().install(|| finish(&bvh, &settings));
+            let again = pool
+                .unwrap()
+                .install(|| finish_from(&bvh, &camera, &settings));
             assert!(bits(&again.film()) == picture, "{threads} threads");
             assert!(
                 layer_bits(&again.layers(&LAYERS)) == layers,
@@ -73,7 +99,7 @@ fn threads_and_vector_units_change_nothing() {
         }
         for unit in VectorUnit::available() {
             let bvh = SceneBvh::without_trees(&scene).with_unit(unit);
-            let again = finish(&bvh, &settings);
+            let again = finish_from(&bvh, &camera, &settings);
             assert!(bits(&again.film()) == picture, "{unit:?}");
             assert!(layer_bits(&again.layers(&LAYERS)) == layers, "{unit:?}");
         }
@@ -83,22 +109,25 @@ fn threads_and_vector_units_change_nothing() {
 /// Samples in one go are the sum of two halves, and of uneven thirds.
 #[test]
 fn parts_add_up_to_the_whole() {
-    let scene = room();
-    let bvh = SceneBvh::build(&scene);
-    let [settings, _] = both_ways();
-    let whole = finish(&bvh, &settings);
-    for parts in [vec![0..10, 10..21], vec![0..1, 1..18, 18..21]] {
-        let mut films = parts.into_iter().map(|part| {
-            let mut film = PathFilm::part(&bvh, &room_eye(), &settings, part);
-            while film.pass(&quiet()) {}
-            film
-        });
-        let mut sum = films.next().unwrap();
-        films.for_each(|film| sum.merge(&film));
-        assert!(bits(&sum.film()) == bits(&whole.film()));
-        let layers = &LAYERS[..3];
-        assert!(layer_bits(&sum.layers(layers)) == layer_bits(&whole.layers(layers)));
-        assert_eq!(sum.film().stats, whole.film().stats);
+    for (scene, camera, settings) in cases() {
+        if settings.noise.is_some() {
+            continue;
+        }
+        let bvh = SceneBvh::build(&scene);
+        let whole = finish_from(&bvh, &camera, &settings);
+        for parts in [vec![0..10, 10..21], vec![0..1, 1..18, 18..21]] {
+            let mut films = parts.into_iter().map(|part| {
+                let mut film = PathFilm::part(&bvh, &camera, &settings, part);
+                while film.pass(&quiet()) {}
+                film
+            });
+            let mut sum = films.next().unwrap();
+            films.for_each(|film| sum.merge(&film));
+            assert!(bits(&sum.film()) == bits(&whole.film()));
+            let layers = &LAYERS[..3];
+            assert!(layer_bits(&sum.layers(layers)) == layer_bits(&whole.layers(layers)));
+            assert_eq!(sum.film().stats, whole.film().stats);
+        }
     }
 }
 

@@ -1,8 +1,9 @@
 //! Small scenes for path tracing: a room with a lamp, and a lamp above a plane.
 
-use super::{add_surface, matte, sky};
+use super::{Random, add_mesh, add_surface, matte, point_light, sky};
 use umbriel_render::{
-    Camera, Material, Method, Sampling, Scene, Settings,
+    Camera, DirectionalLight, EnvironmentMap, Layers, Light, Material, Mesh, Method, Sampling,
+    Scene, Settings,
     kernels::{Disk, Rectangle, Sphere, Surface, glam::Vec3},
 };
 
@@ -47,6 +48,72 @@ pub(crate) fn room() -> Scene {
     add_surface(&mut scene, ball(Vec3::new(0.45, -0.6, -0.2), 0.4), metal);
     add_surface(&mut scene, ball(Vec3::new(0.3, -0.85, 0.6), 0.15), white());
     scene
+}
+
+/// The room's things beside rough glass, brushed metal and a coated ball, lit by a map, a sun with an angle, points and four hundred triangles, and
+/// seen through a lens.
+pub(crate) fn everything() -> (Scene, Camera) {
+    let mut scene = room();
+    let (width, height) = (64, 32);
+    let texels = (0..width * height).map(|i| match (i % width, i / width) {
+        (40, 9) => Vec3::new(900.0, 800.0, 500.0),
+        (x, y) => Vec3::new(0.2, 0.01 * y as f32, 0.01 * x as f32),
+    });
+    scene.surround(EnvironmentMap::new(width, height, texels.collect(), 0.4).expect("texels"));
+    let rough_glass = Material {
+        transmission: 0.9,
+        roughness: 0.4,
+        attenuation_color: Vec3::new(0.4, 0.9, 0.6),
+        attenuation_distance: 0.5,
+        ..Material::default()
+    };
+    let layers = |anisotropy, clearcoat| Layers {
+        anisotropy,
+        clearcoat,
+        clearcoat_roughness: 0.1,
+        ..Layers::NONE
+    };
+    let brushed = Material {
+        metallic: 1.0,
+        roughness: 0.3,
+        layers: layers(0.8, 0.0),
+        ..Material::default()
+    };
+    let coated = Material {
+        roughness: 0.7,
+        layers: layers(0.0, 1.0),
+        ..matte(Vec3::new(0.7, 0.1, 0.2))
+    };
+    for (x, material) in [(-0.3, rough_glass), (0.15, brushed), (0.65, coated)] {
+        add_surface(&mut scene, ball(Vec3::new(x, -0.2, 0.4), 0.2), material);
+    }
+    let mut random = Random(5);
+    let mut mesh = Mesh::default();
+    for i in 0..400 {
+        let corner = random.vec3(-0.95, 0.95);
+        let edges = [Vec3::ZERO, random.vec3(0.0, 0.03), random.vec3(-0.03, 0.0)];
+        mesh.positions.extend(edges.map(|edge| corner + edge));
+        mesh.indices.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    let glow = Material {
+        emission: Vec3::new(20.0, 15.0, 30.0),
+        ..matte(Vec3::ZERO)
+    };
+    add_mesh(&mut scene, mesh, glow);
+    scene
+        .lights
+        .push(point_light(Vec3::new(0.2, 0.5, 0.9), 1.0));
+    scene.lights.push(Light::Directional(DirectionalLight {
+        name: String::new(),
+        direction: Vec3::new(-0.36, -0.48, -0.8),
+        illuminance: Vec3::splat(2.0),
+        angle: 0.1,
+    }));
+    let camera = Camera {
+        lens_radius: 0.1,
+        ..room_eye()
+    };
+    (scene, camera)
 }
 
 /// Where [`room`] is seen from.
