@@ -98,9 +98,11 @@ impl EnvironmentMap {
     pub const MAX_TEXELS: u64 = 1 << 26;
 
     /// A map of `width` by `height` texels, finite and at least 0, row by row from the top, turned by `rotation` radians about the upright
-    /// axis: positive takes what is ahead to the left. `None` for a number of texels that does not fit, or none at all.
+    /// axis: positive takes what is ahead to the left. `None` for a number of texels that does not fit, or none at all, and for texels that are no
+    /// light.
     pub fn new(width: usize, height: usize, texels: Vec<Vec3>, rotation: f32) -> Option<Self> {
-        if texels.is_empty() || texels.len() != width * height {
+        let is_light = |texel: &Vec3| texel.is_finite() && texel.min_element() >= 0.0;
+        if texels.is_empty() || texels.len() != width * height || !texels.iter().all(is_light) {
             return None;
         }
         let mut map = Self {
@@ -351,5 +353,15 @@ mod tests {
         assert!(map.is_black() && map.sample(Vec2::splat(0.5)).is_none());
         assert_eq!(map.pdf(Vec3::X), 0.0);
         assert!(EnvironmentMap::new(4, 2, vec![Vec3::ZERO; 7], 0.0).is_none());
+    }
+
+    #[test]
+    fn what_is_no_light_makes_no_map() {
+        for wrong in [f32::NAN, f32::INFINITY, -1.0] {
+            let mut texels = vec![Vec3::ONE; 8];
+            texels[3].y = wrong;
+            assert!(EnvironmentMap::new(4, 2, texels, 0.0).is_none(), "{wrong}");
+        }
+        assert!(EnvironmentMap::new(4, 2, vec![Vec3::splat(1e30); 8], 0.0).is_some());
     }
 }

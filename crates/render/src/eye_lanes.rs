@@ -1,6 +1,6 @@
 //! Patches of a rasterised tile, shaded straight from the numbers of their triangles: no ray is stored, no pixel is moved.
 
-use crate::{CameraFrame, Mesh, Scene, color::Developer, shade_block::ShadeBlock};
+use crate::{CameraFrame, Mesh, Scene, color::Developer, film::is_light, shade_block::ShadeBlock};
 use umbriel_kernels::{
     LANES, Ray, TileImage, Vec3Lanes, VectorUnit,
     glam::{Affine3A, Vec2, Vec3},
@@ -168,13 +168,12 @@ impl EyeLanes {
         self.take(lanes);
     }
 
-    /// Turns what is not finite black, and counts it within the tile. To be called within [`VectorUnit::run`].
+    /// Turns what is no light that can be summed black, and counts it within the tile. To be called within [`VectorUnit::run`].
     #[inline(always)]
     pub(crate) fn drop_bad(&mut self, patch: &Patch) -> u64 {
         let mut bad = [0_u32; LANES];
         for (i, bad) in bad.iter_mut().enumerate() {
-            // Nothing times NaN and infinity is NaN.
-            *bad = u32::from(!(self.radiance.get(i).dot(Vec3::ZERO) == 0.0));
+            *bad = u32::from(!is_light(self.radiance.get(i)));
         }
         if bad.iter().fold(0, |any, bad| any | bad) == 0 {
             return 0;

@@ -1,6 +1,7 @@
 //! The film: what a render leaves behind.
 
 use crate::Image;
+use umbriel_kernels::glam::Vec3;
 
 /// A rendered picture with what it took.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +44,13 @@ pub enum StopReason {
     Interrupt,
 }
 
+/// Whether a sample is light that can be summed: samples as bright as this are thrown away, so that no sum of them overflows.
+#[inline(always)]
+pub(crate) fn is_light(sample: Vec3) -> bool {
+    const MOST: f32 = 1e30;
+    sample.abs().element_sum() <= MOST
+}
+
 /// Counters of a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stats {
@@ -50,7 +58,7 @@ pub struct Stats {
     pub rays: u64,
     /// Shadow rays or lookups in shadow maps: questions whether a light is seen.
     pub shadow_rays: u64,
-    /// Samples that were not finite numbers; they count as black.
+    /// Samples that were no finite numbers, or beyond 1e30 nit; they count as black.
     pub bad_samples: u64,
     /// Finished pixels; fewer than asked for when the render was stopped.
     pub pixels: u64,

@@ -6,6 +6,7 @@ use crate::{
     direct::DirectLight,
     eye_lanes::{EyeLanes, Patch, SeenMesh},
     eye_raster::EyeRaster,
+    film::is_light,
     hit_groups::HitGroups,
     ray_queue::{Onward, Queue, RayState},
     shade_block::ShadeBlock,
@@ -283,7 +284,7 @@ impl<'a> Tracer<'a> {
 
     fn drop_bad(&mut self, radiance: &mut [Vec3]) {
         for sample in radiance {
-            if !sample.is_finite() {
+            if !is_light(*sample) {
                 *sample = Vec3::ZERO;
                 self.bad_samples += 1;
             }

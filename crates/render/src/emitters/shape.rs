@@ -101,7 +101,11 @@ pub(super) fn light_bounds(light: &Light) -> Option<LightBounds> {
 /// No ray that goes on meets them, so that they need no weighting against other ways of sampling.
 pub(super) fn light_ray(light: &Light, p: Vec3, probability: f32, u: Vec2) -> Option<LightRay> {
     let center = light.sample(p)?;
-    if light.size() > 0.0 {
+    let sine = match light {
+        Light::Directional(light) => (0.5 * light.angle).sin(),
+        Light::Point(_) | Light::Spot(_) => 0.5 * light.size() / center.to_light.length(),
+    };
+    if sine > LEAST_SINE {
         return Some(ray_to_body(light, &center, p, probability, u));
     }
     Some(LightRay {
@@ -112,6 +116,9 @@ pub(super) fn light_ray(light: &Light, p: Vec3, probability: f32, u: Vec2) -> Op
         pdf: f32::INFINITY,
     })
 }
+
+/// Of half of the angle that a light with extent fills: below it, directions do not tell its rim from its centre, and squares come to be 0.
+const LEAST_SINE: f32 = 1e-8;
 
 fn ray_to_body(
     light: &Light,

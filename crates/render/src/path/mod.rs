@@ -9,7 +9,7 @@ mod state;
 
 use crate::{
     CameraFrame, Method, PixelSampler, SceneBvh, Settings, ShadowRays, direct::Visibility,
-    emitters::Emitters, hit_groups::HitGroups, sample_light::SampleLight,
+    emitters::Emitters, film::is_light, hit_groups::HitGroups, sample_light::SampleLight,
     surface_lanes::SurfaceLanes,
 };
 use lanes::ScatterLanes;
@@ -116,7 +116,7 @@ impl<'a> PathTracer<'a> {
             self.next_states.clear();
         }
         for sample in radiance {
-            if !sample.sum().is_finite() {
+            if !is_light(sample.sum()) {
                 *sample = SampleLight::default();
                 self.bad_samples += 1;
             }
