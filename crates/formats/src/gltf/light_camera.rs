@@ -87,6 +87,10 @@ pub(super) fn read_light(json: &Json, world: &Affine3A) -> Result<Light, FileErr
         return Err(json.error_at("intensity", format!("is {strength}; expected at least 0")));
     }
     let intensity = color * strength;
+    if !intensity.is_finite() {
+        let message = format!("times `color` is {intensity}; expected finite numbers");
+        return Err(json.error_at("intensity", message));
+    }
     let range = json
         .number("range")?
         .filter(|range| *range > 0.0)

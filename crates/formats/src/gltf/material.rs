@@ -28,7 +28,7 @@ pub(super) fn read_material(
     let mut material = Material {
         name: json.name("material"),
         double_sided: json.flag("doubleSided")?,
-        emission: json.color("emissiveFactor", Vec3::ZERO)?.max(Vec3::ZERO),
+        emission: read_emission(json, report)?,
         emission_texture: textures.read(json, "emissiveTexture", Encoding::Srgb, scene, report)?,
         normal_texture: textures.read(json, "normalTexture", Encoding::Linear, scene, report)?,
         alpha_mode: read_alpha_mode(json)?,
@@ -60,6 +60,27 @@ pub(super) fn read_material(
     Ok(material)
 }
 
+/// What is below 0 is no light.
+fn read_emission(json: &Json, report: &mut Report) -> Result<Vec3, FileError> {
+    let factor = json.color("emissiveFactor", Vec3::ZERO)?;
+    let strength = match json.extension("KHR_materials_emissive_strength")? {
+        Some(extension) => extension.number("emissiveStrength")?.unwrap_or(1.0),
+        None => 1.0,
+    };
+    if factor.min_element() < 0.0 {
+        report.ignore("emissiveFactor below 0");
+    }
+    if strength < 0.0 {
+        report.ignore("emissiveStrength below 0");
+    }
+    let emission = factor.max(Vec3::ZERO) * strength.max(0.0);
+    if emission.is_finite() {
+        return Ok(emission);
+    }
+    let message = format!("times its strength is {emission}; expected finite numbers");
+    Err(json.error_at("emissiveFactor", message))
+}
+
 fn unit(color: Vec3) -> Vec3 {
     color.clamp(Vec3::ZERO, Vec3::ONE)
 }
@@ -83,9 +104,6 @@ fn read_extensions(
     report: &mut Report,
 ) -> Result<(), FileError> {
     read_glossiness(json, material, textures, scene, report)?;
-    if let Some(strength) = json.extension("KHR_materials_emissive_strength")? {
-        material.emission *= strength.number("emissiveStrength")?.unwrap_or(1.0).max(0.0);
-    }
     if let Some(ior) = json.extension("KHR_materials_ior")? {
         let value = ior.number("ior")?.unwrap_or(1.5);
         // 0 stands for full reflection at all angles, a special case for files of an older workflow.

@@ -1,6 +1,7 @@
 //! Broken and hostile models: a clean error with a place, never a panic.
 
 mod gltf;
+mod gltf_light;
 mod images;
 mod obj;
 mod ply;
