@@ -240,6 +240,30 @@ fn a_full_or_closed_standard_error_is_no_failure() {
     assert_eq!(folder.names(), ["a.png", "scene.toml"]);
 }
 
+/// A disk that fills up while standard output goes there: the words say so, and files that were saved stay.
+#[test]
+fn a_full_standard_output_is_named() {
+    let folder = Folder::new();
+    for words in [
+        "render scene.toml -o - -r 8x6",
+        "render scene.toml -o - -r 8x6 -m path --spp 2",
+        "render scene.toml -o - -r 8x6 -m distributed --spp 2",
+        "render scene.toml -o a.png -r 8x6 --json",
+        "info scene.toml",
+    ] {
+        let full = fs::File::options().write(true).open("/dev/full").unwrap();
+        let output = folder.command(words).stdout(full).output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(4), "{words}: {said}");
+        let named = "error: standard output: No space left on device";
+        assert!(said.lines().any(|line| line.starts_with(named)), "{said}");
+    }
+    assert!(folder.read("a.png").starts_with(b"\x89PNG"));
+    assert_eq!(folder.names(), ["a.png", "scene.toml"]);
+    std::os::unix::fs::symlink("/dev/full", folder.path("full.png")).unwrap();
+    folder.fails("render scene.toml -o full.png", 4, &["full.png", "device"]);
+}
+
 /// Names are shown without their line ends and commands to the terminal, and may be in any script.
 #[test]
 fn strange_names_stay_in_their_line() {

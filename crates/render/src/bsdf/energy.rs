@@ -30,17 +30,23 @@ impl Albedo {
     }
 
     /// An upper bound for the lobe of the same roughness drawn out to the widths of [`Brush::new`](super::Brush::new): with it, no brush gives
-    /// more than it gets, and those drawn out far lose most of what their facets pass on.
+    /// more than it gets, and those drawn out far lose a part of what their facets pass on.
     ///
     /// ```text
-    /// E ≤ 1 − (1 − max(E(α_x), E(α_y))) (1 − anisotropy)
+    /// E ≤ 1 − (1 − (E(α_x) + E(α_y))/2) cos θ
+    /// E ≤ 1 − (1 − max(E(α_x), E(α_y))) (1 − 0.7 anisotropy (1 − cos θ)³)
     /// ```
-    /// The true one depends on the azimuth of `wo`, too; at grazing angles it is beyond both of the round lobes', by up to 5 %.
+    /// Fitted to integrals of 320 lobes at 6 angles: at grazing angles neither of the round lobes is a bound. The lesser one is nowhere below the
+    /// true one by more than 0.4 %.
     pub fn brushed(self, cos_o: f32, alpha: f32, anisotropy: f32) -> Self {
+        let cos = cos_o.clamp(0.0, 1.0);
         let along = alpha + (1.0 - alpha) * anisotropy * anisotropy;
-        let most = self.total.max(Self::new(cos_o, along.sqrt()).total);
+        let drawn_out = Self::new(cos, along.sqrt()).total;
+        let mean = 0.5 * (self.total + drawn_out);
+        let grazing = 0.7 * anisotropy * (1.0 - cos).powi(3);
+        let most = 1.0 - (1.0 - self.total.max(drawn_out)) * (1.0 - grazing);
         Self {
-            total: 1.0 - (1.0 - most) * (1.0 - anisotropy),
+            total: most.min(1.0 - (1.0 - mean) * cos),
             ..self
         }
     }
