@@ -20,7 +20,7 @@
 //! | its light from facet to facet, and what it leaves to the lobes beneath | [`Albedo`] | Kulla & Conty 2017; Turquin 2019 |
 //! | rough transmission | [`eval_ggx_transmission`], [`sample_ggx_visible`] | Walter et al. 2007; Dupuy & Benyoub 2023 |
 //! | brushed surfaces | [`Brush`] | Heitz 2014 |
-//! | sheen | [`eval_sheen`] | Estevez & Kulla 2017 |
+//! | sheen | [`eval_sheen`], [`sample_sheen`] | Estevez & Kulla 2017 |
 //! | thin films | [`reflect_film`] | Belcour & Barla 2017 |
 //! | coat, sheen and base on top of each other | [`Layers`], [`Bsdf::eval`], [`Bsdf::sample`] | Khronos, KHR_materials_* |
 //! | absorption | [`Material::absorption`] | Beer 1852 |
@@ -108,8 +108,8 @@ mod whitted;
 pub use aov::{Aov, render_aovs};
 pub use bsdf::{
     Albedo, Brush, Bsdf, BsdfSample, Layers, albedo_sheen, eval_diffuse, eval_ggx,
-    eval_ggx_transmission, eval_sheen, pdf_diffuse, pdf_ggx, pdf_ggx_transmission, reflect_film,
-    refracting_half, sample_diffuse, sample_ggx, sample_ggx_visible,
+    eval_ggx_transmission, eval_sheen, pdf_diffuse, pdf_ggx, pdf_ggx_transmission, pdf_sheen,
+    reflect_film, refracting_half, sample_diffuse, sample_ggx, sample_ggx_visible, sample_sheen,
 };
 pub use camera::{Camera, CameraFrame, Projection};
 pub use color::{Development, LUMINANCE, Tonemap, auto_exposure, develop};

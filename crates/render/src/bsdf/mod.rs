@@ -20,7 +20,7 @@ pub use iridescence::reflect_film;
 pub use layers::Layers;
 pub(crate) use plain::Plain;
 pub use sample::BsdfSample;
-pub use sheen::eval_sheen;
+pub use sheen::{eval_sheen, pdf_sheen, sample_sheen};
 
 use crate::fresnel::{fresnel_dielectric, fresnel_schlick, normal_reflectance};
 use umbriel_kernels::glam::Vec3;

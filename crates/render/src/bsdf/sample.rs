@@ -2,7 +2,8 @@
 
 use super::{
     Bsdf, Plain, eval_ggx_transmission, ggx::pdf_ggx_visible, pdf_diffuse, pdf_ggx,
-    pdf_ggx_transmission, refracting_half, sample_diffuse, sample_ggx, sample_ggx_visible, width,
+    pdf_ggx_transmission, pdf_sheen, refracting_half, sample_diffuse, sample_ggx,
+    sample_ggx_visible, sample_sheen, width,
 };
 use crate::fresnel::{reflect, refract};
 use umbriel_kernels::glam::{Vec2, Vec3};
@@ -23,8 +24,8 @@ pub struct BsdfSample {
 /// With what probability each lobe is chosen; they sum to 1.
 #[derive(Clone, Copy, Debug)]
 struct Lobes {
-    /// Of the cosine: diffuse light and sheen.
     diffuse: f32,
+    sheen: f32,
     specular: f32,
     transmitted: f32,
     coat: f32,
@@ -34,6 +35,7 @@ struct Lobes {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Lobe {
     Diffuse,
+    Sheen,
     Specular,
     Transmitted,
     Coat,
@@ -44,6 +46,7 @@ impl Lobes {
         let mut rest = random;
         let lobes = [
             (Lobe::Diffuse, self.diffuse),
+            (Lobe::Sheen, self.sheen),
             (Lobe::Specular, self.specular),
             (Lobe::Transmitted, self.transmitted),
         ];
@@ -122,7 +125,7 @@ impl Bsdf {
         let lobes = self.lobes(cos_o)?;
         let lobe = lobes.choose(lobe);
         let is_smooth = match lobe {
-            Lobe::Diffuse => false,
+            Lobe::Diffuse | Lobe::Sheen => false,
             Lobe::Specular | Lobe::Transmitted => self.roughness == 0.0,
             Lobe::Coat => self.coat_width() == 0.0,
         };
@@ -183,7 +186,7 @@ impl Bsdf {
 
     fn pdf_reflected(&self, n: Vec3, wo: Vec3, wi: Vec3, lobes: &Lobes) -> f32 {
         let half = (wo + wi).normalize_or(n);
-        let mut pdf = lobes.diffuse * pdf_diffuse(n, wi);
+        let mut pdf = lobes.diffuse * pdf_diffuse(n, wi) + lobes.sheen * pdf_sheen(n, wi);
         let alpha = width(self.roughness);
         if alpha > 0.0 {
             pdf += lobes.specular
@@ -208,6 +211,7 @@ impl Bsdf {
     fn direction(&self, n: Vec3, wo: Vec3, lobe: Lobe, u: Vec2) -> Option<Vec3> {
         let half = match lobe {
             Lobe::Diffuse => return Some(sample_diffuse(n, u)),
+            Lobe::Sheen => return Some(sample_sheen(n, u)),
             Lobe::Transmitted => {
                 let half = match self.brush(n) {
                     Some(brush) => brush.sample_visible(wo, u),
@@ -240,17 +244,19 @@ impl Bsdf {
             specular = reflected.lerp(straight, tilt).max_element();
             transmitted = through.lerp(straight_through, tilt).max_element();
         }
-        let (mut diffuse, mut coat) = (diffuse.max_element(), 0.0);
+        let (mut diffuse, mut sheen, mut coat) = (diffuse.max_element(), 0.0, 0.0);
         if let Some(layers) = &self.layers {
             let beneath = layers.beneath(cos_o);
             coat = layers.coat(cos_o);
-            diffuse = diffuse * beneath + layers.sheen(cos_o).max_element() * (1.0 - coat);
+            diffuse *= beneath;
+            sheen = layers.sheen(cos_o).max_element() * (1.0 - coat);
             specular *= beneath;
             transmitted *= beneath;
         }
-        let sum = diffuse + specular + transmitted + coat;
+        let sum = diffuse + sheen + specular + transmitted + coat;
         (sum > 0.0).then(|| Lobes {
             diffuse: diffuse / sum,
+            sheen: sheen / sum,
             specular: specular / sum,
             transmitted: transmitted / sum,
             coat: coat / sum,

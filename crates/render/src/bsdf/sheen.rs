@@ -1,7 +1,8 @@
 //! The sheen of cloth: fibres that stand up and glow at grazing angles.
 
+use crate::angle::cos_sin_turn;
 use std::f32::consts::TAU;
-use umbriel_kernels::glam::Vec3;
+use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// `D V` of the sheen; times its colour it is `f`, in 1/sr.
 ///
@@ -9,7 +10,7 @@ use umbriel_kernels::glam::Vec3;
 /// ```text
 /// D = (2 + 1/α) sin(θ_h)^(1/α) / 2π      V = 1 / (4 (1 + Λ(wo) + Λ(wi)) (n·wo) (n·wi))
 /// ```
-/// 0 where either direction is not above the surface. Directions are sampled by the cosine, as those of the diffuse lobe.
+/// 0 where either direction is not above the surface.
 ///
 /// Source: Estevez & Kulla, "Production Friendly Microfacet Sheen BRDF", SIGGRAPH course, 2017.
 pub fn eval_sheen(alpha: f32, n: Vec3, half: Vec3, wo: Vec3, wi: Vec3) -> f32 {
@@ -22,6 +23,25 @@ pub fn eval_sheen(alpha: f32, n: Vec3, half: Vec3, wo: Vec3, wi: Vec3) -> f32 {
     // Λ grows as fast as the cosine falls, so that the product is never 0.
     let shadowing = (1.0 + lambda(cos_o, alpha) + lambda(cos_i, alpha)) * cos_o * cos_i;
     d / (4.0 * shadowing.max(f32::MIN_POSITIVE))
+}
+
+/// A direction above the surface of unit normal `n`, with density [`pdf_sheen`]; `u` in `[0, 1)²`.
+///
+/// All are as likely: at the horizon, where the lobe is brightest, `f cos θ` is as large as anywhere, so that samples by the cosine would have
+/// weights without bound.
+///
+/// Source: Estevez & Kulla, SIGGRAPH course, 2017 (samples of the upper hemisphere).
+pub fn sample_sheen(n: Vec3, u: Vec2) -> Vec3 {
+    let (x, y) = n.any_orthonormal_pair();
+    let (cos, sin) = cos_sin_turn(u.x);
+    let z = 1.0 - u.y;
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    x * (r * cos) + y * (r * sin) + n * z
+}
+
+/// `p(wi) = 1/2π`, in 1/sr; 0 below the surface.
+pub fn pdf_sheen(n: Vec3, wi: Vec3) -> f32 {
+    if n.dot(wi) > 0.0 { 1.0 / TAU } else { 0.0 }
 }
 
 /// The fibres' shadowing, fitted to simulations.
