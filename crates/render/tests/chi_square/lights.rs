@@ -142,7 +142,7 @@ fn light_trees() {
 pub(crate) fn light(i: u32) -> LightBounds {
     let number = |k| second(8 * i + k);
     let (a, b, c) = (number(0), number(1), number(2));
-    let at = if i % 7 == 0 {
+    let at = if i.is_multiple_of(7) {
         Vec3::ONE
     } else {
         10.0 * Vec3::new(a.x, a.y, b.x)
@@ -150,10 +150,10 @@ pub(crate) fn light(i: u32) -> LightBounds {
     LightBounds {
         aabb: Aabb {
             min: at,
-            max: at + Vec3::splat(if i % 3 == 0 { 0.0 } else { 0.1 * c.x }),
+            max: at + Vec3::splat(if i.is_multiple_of(3) { 0.0 } else { 0.1 * c.x }),
         },
         axis: Vec3::new(b.y - 0.5, c.x - 0.5, c.y - 0.5).normalize_or(Vec3::Z),
-        cos_normals: if i % 5 == 0 { -1.0 } else { 1.0 },
+        cos_normals: if i.is_multiple_of(5) { -1.0 } else { 1.0 },
         power: 0.01 + c.x * c.x,
     }
 }
