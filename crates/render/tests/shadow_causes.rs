@@ -110,7 +110,7 @@ fn acne_on_a_tilted_plane() {
         "bilinear:2",
         "vogel:9:2",
         "pcss:16",
-        "msm:1",
+        "evsm:1",
     ] {
         let map = map(&format!("256 none {filter} 0"));
         all_are(Cause::Acne, 1000, &scene, &camera, map);
