@@ -158,13 +158,19 @@ impl CameraFrame {
         }
     }
 
+    /// Whether all rays through a point of the picture are one.
+    #[inline(always)]
+    pub(crate) fn is_pinhole(&self) -> bool {
+        self.lens == [Vec3::ZERO; 2]
+    }
+
     /// The ray through a point of the picture and one of the lens, by `u` in `[0, 1)²`: it meets the pinhole's ray in the plane in focus.
     ///
     /// Source: Cook, Porter & Carpenter, "Distributed Ray Tracing", SIGGRAPH 1984; Kolb, Mitchell & Hanrahan, SIGGRAPH 1995 (thin lens).
     #[inline(always)]
     pub fn ray_through_lens(&self, pixel: Vec2, u: Vec2) -> Ray {
         let ray = self.ray(pixel);
-        if self.lens == [Vec3::ZERO; 2] {
+        if self.is_pinhole() {
             return ray;
         }
         let place = sample_concentric(u);

@@ -14,7 +14,7 @@ impl ExactSum {
     /// Adds a number; what is negative or NaN counts as 0.
     #[inline(always)]
     pub(crate) fn add(&mut self, value: f32) {
-        self.merge(Self((f64::from(value) * STEPS) as u128));
+        self.merge(Self(steps(value)));
     }
 
     /// Adds another sum.
@@ -33,6 +33,28 @@ impl ExactSum {
         (self.0 as f64 / STEPS / f64::from(count.max(1))) as f32
     }
 }
+
+/// The whole steps in a number: its digits, moved to their place. Much faster than a conversion by way of f64.
+#[inline(always)]
+fn steps(value: f32) -> u128 {
+    if !(value > 0.0) {
+        return 0;
+    }
+    let bits = value.to_bits();
+    let exponent = bits >> 23;
+    // Numbers below the least normal one have no leading digit, and are far below a step.
+    let digits = u128::from(bits & 0x007f_ffff | 0x0080_0000);
+    match exponent {
+        0..ONE_STEP => digits >> (ONE_STEP - exponent).min(24),
+        ONE_STEP..BEYOND => digits << (exponent - ONE_STEP),
+        _ => u128::MAX,
+    }
+}
+
+/// The exponent of numbers whose last digit is a step: that of 1 is 127, and its 23 digits after the point are 41 steps too high.
+const ONE_STEP: u32 = 127 + 23 - 64;
+/// The exponent of 2⁶⁴.
+const BEYOND: u32 = 127 + 64;
 
 #[cfg(test)]
 mod tests {
@@ -61,6 +83,20 @@ mod tests {
         assert_eq!(sum(&[1e-6, 3e-6]).mean(2), 2e-6);
         assert_eq!(ExactSum::default().mean(0), 0.0);
         assert_eq!(sum(&[0.5, 0.25]).without(sum(&[0.25])), sum(&[0.5]));
+    }
+
+    /// What a conversion by way of f64 gives.
+    #[test]
+    fn steps_are_those_of_the_product() {
+        let mut bits = 0_u32;
+        for _ in 0..100_000 {
+            bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            let value = f32::from_bits(bits);
+            assert_eq!(steps(value), (f64::from(value) * STEPS) as u128, "{value}");
+        }
+        for value in [0.0, -0.0, 1.0, 5e-20, 5.5e-20, 1.8e19, 1.9e19, 1e-40] {
+            assert_eq!(steps(value), (f64::from(value) * STEPS) as u128, "{value}");
+        }
     }
 
     #[test]

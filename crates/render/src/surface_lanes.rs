@@ -214,6 +214,12 @@ impl SurfaceLanes {
         self.ns.get(i)
     }
 
+    /// All points and shading normals.
+    #[inline(always)]
+    pub(crate) fn points_and_normals(&self) -> [&Vec3Lanes; 2] {
+        [&self.points.p, &self.ns]
+    }
+
     /// What a refracted ray of lane `i` travels in, where the body is of `inside` and the ray came through `medium`.
     #[inline(always)]
     pub(crate) fn medium_behind(

@@ -1,9 +1,13 @@
 //! Rays towards lights for many points at once.
 
-use super::{ALMOST, Choice, Emitters, LightRay, shape::Emitter};
+use super::{
+    ALMOST, Choice, Chosen, Emitters, LightRay,
+    flat::{FlatLanes, OTHER, RECTANGLE, TRIANGLE},
+};
 use crate::{
     Scene,
     light_sampling::{DirectionSample, sample_rectangle, sample_triangle},
+    light_tree::LightChoices,
     surface_lanes::SurfaceLanes,
 };
 use umbriel_kernels::{
@@ -20,73 +24,11 @@ pub(crate) struct LightLanes {
     pub(crate) t_max: Lanes,
     pub(crate) radiance: Vec3Lanes,
     pub(crate) pdf: Lanes,
-    rectangles: FlatLanes,
-    triangles: FlatLanes,
-}
-
-/// Flat shapes that were chosen, packed: each with the lane that chose it.
-#[derive(Debug)]
-struct FlatLanes {
-    len: usize,
-    lane: [usize; LANES],
-    p: Vec3Lanes,
-    /// Centre and half edges of a rectangle, or the corners of a triangle.
-    shape: [Vec3Lanes; 3],
-    random: [Lanes; 2],
-    /// By which the density of the direction is multiplied.
-    probability: Lanes,
-    wi: Vec3Lanes,
     distance: Lanes,
-    pdf: Lanes,
-}
-
-impl Default for FlatLanes {
-    fn default() -> Self {
-        let zeros = [0.0; LANES];
-        Self {
-            len: 0,
-            lane: [0; LANES],
-            p: Vec3Lanes::default(),
-            shape: Default::default(),
-            random: [zeros; 2],
-            probability: zeros,
-            wi: Vec3Lanes::default(),
-            distance: zeros,
-            pdf: zeros,
-        }
-    }
-}
-
-impl FlatLanes {
-    #[inline(always)]
-    fn push(&mut self, lane: usize, p: Vec3, shape: [Vec3; 3], u: Vec2, probability: f32) {
-        let k = self.len;
-        self.lane[k] = lane;
-        self.p.set(k, p);
-        for (corner, own) in self.shape.iter_mut().zip(shape) {
-            corner.set(k, own);
-        }
-        (self.random[0][k], self.random[1][k]) = (u.x, u.y);
-        self.probability[k] = probability;
-        self.len += 1;
-    }
-
-    /// Directions by the sampling function of the shape; a density of 0 where there is none.
-    #[inline(always)]
-    fn sample(&mut self, sample: impl Fn(Vec3, [Vec3; 3], Vec2) -> DirectionSample) {
-        for k in 0..whole_vectors(self.len) {
-            let shape = [
-                self.shape[0].get(k),
-                self.shape[1].get(k),
-                self.shape[2].get(k),
-            ];
-            let u = Vec2::new(self.random[0][k], self.random[1][k]);
-            let found = sample(self.p.get(k), shape, u);
-            self.wi.set(k, found.wi);
-            self.distance[k] = found.distance;
-            self.pdf[k] = found.pdf * self.probability[k];
-        }
-    }
+    choices: LightChoices,
+    flat: FlatLanes,
+    /// Lanes that chose what is not flat.
+    others: Vec<(usize, Chosen)>,
 }
 
 impl Default for LightLanes {
@@ -97,8 +39,10 @@ impl Default for LightLanes {
             t_max: [1.0; LANES],
             radiance: Vec3Lanes::default(),
             pdf: [1.0; LANES],
-            rectangles: FlatLanes::default(),
-            triangles: FlatLanes::default(),
+            distance: [1.0; LANES],
+            choices: LightChoices::default(),
+            flat: FlatLanes::default(),
+            others: Vec::with_capacity(LANES),
         }
     }
 }
@@ -111,6 +55,45 @@ impl LightLanes {
         self.t_max[i] = ray.t_max;
         self.radiance.set(i, ray.radiance);
         self.pdf[i] = ray.pdf;
+    }
+
+    /// Directions in the lanes of one kind by its sampling function.
+    #[inline(always)]
+    fn sample(
+        &mut self,
+        kind: u32,
+        surfaces: &SurfaceLanes,
+        place: &[Lanes; 2],
+        sample: impl Fn(Vec3, [Vec3; 3], Vec2) -> DirectionSample,
+    ) {
+        for i in 0..whole_vectors(surfaces.len) {
+            let u = Vec2::new(place[0][i], place[1][i]);
+            let found = sample(surfaces.p(i), self.flat.shape(i), u);
+            let is_own = self.flat.kind[i] == kind;
+            let pdf = found.pdf * self.choices.probability[i];
+            let wi = self.wi.get(i);
+            self.wi.set(i, if is_own { found.wi } else { wi });
+            self.distance[i] = if is_own {
+                found.distance
+            } else {
+                self.distance[i]
+            };
+            self.pdf[i] = if is_own { pdf } else { self.pdf[i] };
+        }
+    }
+
+    /// What arrives from the flat lights.
+    #[inline(always)]
+    fn finish(&mut self, len: usize) {
+        for i in 0..whole_vectors(len) {
+            let (wi, pdf) = (self.wi.get(i), self.pdf[i]);
+            let is_met = (pdf > 0.0) & (self.flat.kind[i] != OTHER);
+            let radiance = self.flat.radiance(i, wi) / pdf;
+            self.to_light.set(i, wi * self.distance[i]);
+            self.t_max[i] = ALMOST;
+            self.radiance
+                .set(i, if is_met { radiance } else { Vec3::ZERO });
+        }
     }
 }
 
@@ -125,64 +108,96 @@ impl Emitters {
         place: &[Lanes; 2],
         light: &mut LightLanes,
     ) {
-        (light.rectangles.len, light.triangles.len) = (0, 0);
-        // Where each flat shape's emitter is in the list.
-        let mut numbers = [0; LANES];
-        for i in 0..surfaces.len.min(LANES) {
-            light.radiance.set(i, Vec3::ZERO);
-            let p = surfaces.p(i);
-            let Some(chosen) = self.choose(p, Some(surfaces.ns(i)), choice[i]) else {
-                continue;
-            };
+        light.others.clear();
+        if self.sky_share == 0.0 && self.parallel.is_empty() && self.tree.is_few() {
+            self.choose_of_few(surfaces, choice, light);
+        } else {
+            self.choose_each(surfaces, choice, light);
+        }
+        if self.has_kind[RECTANGLE as usize] {
+            light.sample(
+                RECTANGLE,
+                surfaces,
+                place,
+                #[inline(always)]
+                |p, [center, u, v], random| sample_rectangle(p, center, u, v, random),
+            );
+        }
+        if self.has_kind[TRIANGLE as usize] {
+            light.sample(
+                TRIANGLE,
+                surfaces,
+                place,
+                #[inline(always)]
+                |p, [a, b, c], random| sample_triangle(p, &Triangle { a, b, c }, random),
+            );
+        }
+        light.finish(surfaces.len);
+        if self.has_textures {
+            self.look_up(scene, surfaces, light);
+        }
+        for k in 0..light.others.len() {
+            let (i, chosen) = light.others[k];
             let u = Vec2::new(place[0][i], place[1][i]);
-            if let Choice::Placed(number) = chosen.light {
-                numbers[i] = number;
-                match self.placed[number as usize].emitter {
-                    Emitter::Rectangle { center, u: a, v: b } => {
-                        let shape = [center, a, b];
-                        light.rectangles.push(i, p, shape, u, chosen.probability);
-                        continue;
-                    }
-                    Emitter::Triangle(t) => {
-                        let shape = [t.a, t.b, t.c];
-                        light.triangles.push(i, p, shape, u, chosen.probability);
-                        continue;
-                    }
-                    _ => {}
-                }
-            }
-            if let Some(ray) = self.aim(scene, p, chosen, u) {
+            if let Some(ray) = self.aim(scene, surfaces.p(i), chosen, u) {
                 light.set(i, &ray);
             }
         }
-        light.rectangles.sample(
-            #[inline(always)]
-            |p, [center, u, v], random| sample_rectangle(p, center, u, v, random),
-        );
-        light.triangles.sample(
-            #[inline(always)]
-            |p, [a, b, c], random| sample_triangle(p, &Triangle { a, b, c }, random),
-        );
-        self.keep(scene, light, &numbers);
     }
 
-    /// Takes the flat shapes' directions to the lanes that chose them.
+    /// Where all lights have a place and are a few.
     #[inline(always)]
-    fn keep(&self, scene: &Scene, light: &mut LightLanes, numbers: &[u32; LANES]) {
-        for flat in [&light.rectangles, &light.triangles] {
-            for k in 0..flat.len.min(LANES) {
-                let (i, pdf) = (flat.lane[k], flat.pdf[k]);
-                if !(pdf > 0.0) {
-                    continue;
+    fn choose_of_few(&self, surfaces: &SurfaceLanes, choice: &Lanes, light: &mut LightLanes) {
+        let (len, at) = (surfaces.len, surfaces.points_and_normals());
+        self.tree.sample_lanes(len, at, choice, &mut light.choices);
+        light.flat.select(len, &self.flat, &light.choices.number);
+        if !self.has_kind[OTHER as usize] {
+            return;
+        }
+        for i in 0..len.min(LANES) {
+            let (number, probability) = (light.choices.number[i], light.choices.probability[i]);
+            if light.flat.kind[i] == OTHER && probability > 0.0 {
+                let light_chosen = Choice::Placed(number);
+                light.others.push((
+                    i,
+                    Chosen {
+                        light: light_chosen,
+                        probability,
+                    },
+                ));
+            }
+        }
+    }
+
+    /// Lane by lane.
+    #[inline(always)]
+    fn choose_each(&self, surfaces: &SurfaceLanes, choice: &Lanes, light: &mut LightLanes) {
+        for i in 0..surfaces.len.min(LANES) {
+            light.flat.kind[i] = OTHER;
+            let chosen = self.choose(surfaces.p(i), Some(surfaces.ns(i)), choice[i]);
+            match chosen {
+                Some(Chosen {
+                    light: Choice::Placed(number),
+                    probability,
+                }) if self.flat[number as usize].kind != OTHER => {
+                    light.flat.set(i, &self.flat[number as usize]);
+                    light.choices.number[i] = number;
+                    light.choices.probability[i] = probability;
                 }
-                let (wi, distance) = (flat.wi.get(k), flat.distance[k]);
-                let placed = &self.placed[numbers[i] as usize];
-                let radiance = placed.radiance(scene, flat.p.get(k) + wi * distance, -wi);
-                light.wi.set(i, wi);
-                light.to_light.set(i, wi * distance);
-                light.t_max[i] = ALMOST;
-                light.radiance.set(i, radiance / pdf);
-                light.pdf[i] = pdf;
+                Some(chosen) => light.others.push((i, chosen)),
+                None => {}
+            }
+        }
+    }
+
+    /// The radiance of flat lights with textures.
+    fn look_up(&self, scene: &Scene, surfaces: &SurfaceLanes, light: &mut LightLanes) {
+        for i in 0..surfaces.len.min(LANES) {
+            let number = light.choices.number[i] as usize;
+            if light.flat.kind[i] != OTHER && light.pdf[i] > 0.0 && self.flat[number].is_textured {
+                let at = surfaces.p(i) + light.to_light.get(i);
+                let radiance = self.placed[number].radiance(scene, at, -light.wi.get(i));
+                light.radiance.set(i, radiance / light.pdf[i]);
             }
         }
     }

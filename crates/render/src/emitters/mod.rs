@@ -1,5 +1,6 @@
 //! All that shines in a scene, and how a point chooses a ray towards it.
 
+mod flat;
 mod lanes;
 mod radiance;
 mod shape;
@@ -7,6 +8,7 @@ mod shape;
 pub(crate) use lanes::LightLanes;
 
 use crate::{AlphaMode, EnvironmentMap, Geometry, Instance, LightBounds, LightTree, Scene};
+use flat::Flat;
 use shape::{
     Emitter, emitter_box, light_bounds, light_ray, outward_sign, world_surface, world_triangle,
 };
@@ -66,6 +68,11 @@ enum Choice {
 #[derive(Debug, Default)]
 pub(crate) struct Emitters {
     placed: Vec<Placed>,
+    /// A row for each of `placed`.
+    flat: Vec<Flat>,
+    /// By kind, whether there is any such emitter.
+    has_kind: [bool; 3],
+    has_textures: bool,
     tree: LightTree,
     /// The probability with which the map around the scene is chosen.
     sky_share: f32,
@@ -104,11 +111,21 @@ impl Emitters {
             emitters.first.push(any.then_some(first as u32));
         }
         emitters.tree = LightTree::build(&bounds);
+        emitters.tabulate(scene);
         let map = scene.environment_map.as_ref();
         if map.is_some_and(|map| !map.is_black()) {
             emitters.sky_share = if emitters.is_empty() { 1.0 } else { 0.5 };
         }
         emitters
+    }
+
+    fn tabulate(&mut self, scene: &Scene) {
+        let flat = self.placed.iter().map(|placed| Flat::new(scene, placed));
+        self.flat = flat.collect();
+        for flat in &self.flat {
+            self.has_kind[flat.kind as usize] = true;
+            self.has_textures |= flat.is_textured;
+        }
     }
 
     fn add_instance(

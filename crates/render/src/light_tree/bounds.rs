@@ -36,21 +36,24 @@ impl LightBounds {
         let radius2 = half.length_squared();
         let distance2 = to_light.length_squared();
         let falloff = self.power / distance2.max(0.25 * radius2).max(f32::MIN_POSITIVE);
-        if distance2 <= radius2 {
-            return falloff;
-        }
         let wi = to_light / distance2.sqrt();
         let uncertainty = CosSin::of_sine2(radius2 / distance2);
         let off_axis = CosSin::of_cosine(-self.axis.dot(wi))
             .less(CosSin::of_cosine(self.cos_normals))
             .less(uncertainty);
-        if off_axis.cos <= 0.0 {
-            return 0.0;
+        let arriving = n.map_or(
+            1.0,
+            #[inline(always)]
+            |n| CosSin::of_cosine(n.dot(wi)).less(uncertainty).cos.max(0.0),
+        );
+        let leaving = off_axis.cos.max(LEAST_COSINE);
+        let leaving = if off_axis.cos > 0.0 { leaving } else { 0.0 };
+        // Without branches, for loops over lanes. Within the ball around the box all angles are possible.
+        if distance2 <= radius2 {
+            falloff
+        } else {
+            falloff * leaving * arriving
         }
-        let arriving = n.map_or(1.0, |n| {
-            CosSin::of_cosine(n.dot(wi)).less(uncertainty).cos.max(0.0)
-        });
-        falloff * off_axis.cos.max(LEAST_COSINE) * arriving
     }
 
     /// Both groups together.
@@ -116,12 +119,12 @@ impl CosSin {
     /// This angle less `b`, at least 0.
     #[inline(always)]
     fn less(self, b: Self) -> Self {
-        if self.cos >= b.cos {
-            return Self { cos: 1.0, sin: 0.0 };
-        }
+        let none = self.cos >= b.cos;
+        let cos = self.cos * b.cos + self.sin * b.sin;
+        let sin = self.sin * b.cos - self.cos * b.sin;
         Self {
-            cos: self.cos * b.cos + self.sin * b.sin,
-            sin: self.sin * b.cos - self.cos * b.sin,
+            cos: if none { 1.0 } else { cos },
+            sin: if none { 0.0 } else { sin },
         }
     }
 }

@@ -1,6 +1,6 @@
 //! How a tree over lights is made, from the top down.
 
-use super::{Kind, LightBounds, LightTree, Node};
+use super::{Kind, LightBounds, LightTree, Node, few::FEW};
 use umbriel_kernels::glam::Vec3;
 
 /// Bins that are tried as places to part a group, along each axis.
@@ -12,7 +12,12 @@ impl LightTree {
         let mut tree = Self {
             nodes: Vec::with_capacity(2 * lights.len()),
             leaves: vec![0; lights.len()],
+            few: Vec::new(),
         };
+        if lights.len() <= FEW {
+            tree.few = lights.to_vec();
+            return tree;
+        }
         let mut order: Vec<u32> = (0..lights.len() as u32).collect();
         // Groups that wait, and the node whose second child they are.
         let mut waiting = vec![(0..order.len(), None)];

@@ -2,8 +2,10 @@
 
 mod bounds;
 mod build;
+mod few;
 
 pub use bounds::LightBounds;
+pub(crate) use few::LightChoices;
 use umbriel_kernels::glam::Vec3;
 
 /// A binary tree over lights.
@@ -12,6 +14,8 @@ pub struct LightTree {
     nodes: Vec<Node>,
     /// The leaf of each light, for the way up.
     leaves: Vec<u32>,
+    /// All lights, if they are a few.
+    few: Vec<LightBounds>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +41,9 @@ impl LightTree {
     /// the probability with which it was chosen, greater than 0; `None` where no light shines, or none of a group that was chosen.
     #[inline]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, mut u: f32) -> Option<(u32, f32)> {
+        if self.is_few() {
+            return self.sample_few(p, n, u);
+        }
         let mut node = self.nodes.first()?;
         let mut number = 0;
         let mut probability = 1.0;
@@ -64,6 +71,9 @@ impl LightTree {
 
     /// The probability with which [`LightTree::sample`] chooses the light number `light`.
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: u32) -> f32 {
+        if self.is_few() {
+            return self.probability_of_few(p, n, light);
+        }
         let mut number = self.leaves[light as usize];
         let mut probability = 1.0;
         while self.nodes[number as usize].parent != number {

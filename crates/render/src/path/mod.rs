@@ -5,18 +5,19 @@
 
 mod lanes;
 mod scatter;
+mod start;
 mod state;
 
 use crate::{
-    CameraFrame, Method, PixelSampler, SceneBvh, Settings, ShadowRays, direct::Visibility,
+    CameraFrame, Method, SceneBvh, Settings, ShadowRays, direct::Visibility,
     emitters::Emitters, film::is_light, hit_groups::HitGroups, sample_light::SampleLight,
     surface_lanes::SurfaceLanes,
 };
 use lanes::ScatterLanes;
-use state::{LENS_PAIR, PIXEL_PAIR, PathState, Unshadowed};
+use start::StartLanes;
+use state::{PathState, Unshadowed};
 use umbriel_kernels::{
-    Hit, LANES, Ray, VectorUnit,
-    glam::{Vec2, Vec3},
+    Hit, LANES, Ray, VectorUnit, glam::Vec3,
 };
 
 /// Traces batches of paths; keeps its buffers between batches.
@@ -27,6 +28,7 @@ pub(crate) struct PathTracer<'a> {
     emitters: &'a Emitters,
     unit: VectorUnit,
     shadow: ShadowRays<'a>,
+    starts: Box<StartLanes>,
     rays: Vec<Ray>,
     states: Vec<PathState>,
     next_rays: Vec<Ray>,
@@ -55,6 +57,7 @@ impl<'a> PathTracer<'a> {
             emitters,
             unit: bvh.unit(),
             shadow: ShadowRays::new(bvh, settings.glass()),
+            starts: Box::default(),
             rays: Vec::new(),
             states: Vec::new(),
             next_rays: Vec::new(),
@@ -83,24 +86,13 @@ impl<'a> PathTracer<'a> {
         radiance.fill(SampleLight::default());
         self.rays.clear();
         self.states.clear();
-        for (slot, &(x, y, sample)) in (0..).zip(samples) {
-            let sampler = PixelSampler::new(x, y, count, self.settings.seed);
-            let place = Vec2::new(x as f32, y as f32) + sampler.pair(sample, PIXEL_PAIR);
-            let ray = frame.ray_through_lens(place, sampler.pair(sample, LENS_PAIR));
-            self.rays.push(ray);
-            self.states.push(PathState {
-                weight: Vec3::ONE,
-                sampler,
-                sample,
-                slot,
-                depth: 0,
-                passes: 0,
-                medium: None,
-                bent: false,
-                pdf: f32::INFINITY,
-                from: ray.origin,
-                from_normal: None,
-            });
+        for (samples, slot) in samples.chunks(LANES).zip((0..).step_by(LANES)) {
+            let (starts, seed) = (&mut *self.starts, self.settings.seed);
+            self.unit.run(
+                #[inline(always)]
+                || starts.fill(frame, samples, count, seed),
+            );
+            self.starts.push(slot, &mut self.rays, &mut self.states);
         }
         while !self.rays.is_empty() {
             self.hits.clear();

@@ -21,7 +21,7 @@ impl Batches {
         if self.count >= BATCHES as u32 && self.count.is_power_of_two() {
             self.merge_pairs();
         }
-        let batch = self.count / batch_size(self.count);
+        let batch = self.count >> batch_bits(self.count);
         self.sums[batch as usize] += luminance;
         self.count += 1;
     }
@@ -66,8 +66,13 @@ impl Batches {
 /// Samples a batch, of which number `sample` falls into one of the eight.
 #[inline(always)]
 fn batch_size(sample: u32) -> u32 {
-    let quarter = (sample / (BATCHES as u32 / 2)).max(1);
-    1 << quarter.ilog2()
+    1 << batch_bits(sample)
+}
+
+/// The logarithm of [`batch_size`].
+#[inline(always)]
+fn batch_bits(sample: u32) -> u32 {
+    (sample / (BATCHES as u32 / 2)).max(1).ilog2()
 }
 
 #[cfg(test)]
