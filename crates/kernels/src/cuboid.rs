@@ -29,15 +29,8 @@ impl Cuboid {
     /// +y is up on the four sides; −z is up on the top and +z on the bottom, both with +x to the
     /// right.
     pub fn point_at(&self, part: u32, p: Vec3) -> SurfacePoint {
-        let (n, u_axis, v_axis) = FACES[part.min(5) as usize];
-        let mut p = p.max(self.min).min(self.max);
-        let axis = (part.min(5) / 2) as usize;
-        p[axis] = if part.is_multiple_of(2) {
-            self.min[axis]
-        } else {
-            self.max[axis]
-        };
-
+        let (_, u_axis, v_axis) = FACES[part.min(5) as usize];
+        let (p, n) = self.normal_at(part, p);
         let x = ((p - self.min) / (self.max - self.min)).clamp(Vec3::ZERO, Vec3::ONE);
         // Along a negative axis the coordinate runs the other way.
         let along = |axis: Vec3| {
@@ -50,6 +43,31 @@ impl Cuboid {
             uv: Vec2::new(along(u_axis), along(v_axis)),
             tangent: u_axis,
         }
+    }
+
+    /// `p` and `n` of [`Cuboid::point_at`], without branches.
+    #[inline(always)]
+    pub fn normal_at(&self, part: u32, p: Vec3) -> (Vec3, Vec3) {
+        let axis = part.min(5) / 2;
+        let is_least = part.min(5) & 1 == 0;
+        let (face, sign) = if is_least {
+            (self.min, -1.0)
+        } else {
+            (self.max, 1.0)
+        };
+        let p = p.max(self.min).min(self.max);
+        let (x, y, z) = (axis == 0, axis == 1, axis == 2);
+        let at = Vec3::new(
+            if x { face.x } else { p.x },
+            if y { face.y } else { p.y },
+            if z { face.z } else { p.z },
+        );
+        let n = Vec3::new(
+            if x { sign } else { 0.0 },
+            if y { sign } else { 0.0 },
+            if z { sign } else { 0.0 },
+        );
+        (at, n)
     }
 }
 

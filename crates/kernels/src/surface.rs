@@ -70,6 +70,7 @@ impl Surface {
     pub fn normal_at(&self, part: u32, p: Vec3) -> (Vec3, Vec3) {
         match self {
             Self::Sphere(s) => s.normal_at(p),
+            Self::Cuboid(s) => s.normal_at(part, p),
             Self::Implicit(s) => s.normal_at(p),
             _ => {
                 let point = self.point_at(part, p);

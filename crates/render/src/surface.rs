@@ -44,7 +44,8 @@ pub(crate) struct Place {
 
 impl Place {
     /// A point of an analytic surface.
-    fn on_surface(p: Vec3, n: Vec3) -> Self {
+    #[inline(always)]
+    pub(crate) fn on_surface(p: Vec3, n: Vec3) -> Self {
         Self {
             p,
             error: surface_error(p),

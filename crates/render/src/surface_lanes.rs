@@ -8,7 +8,10 @@ use crate::{
     SurfaceInteraction,
     mesh_lanes::MeshLanes,
     mesh_point::{mesh_color, mesh_uvs},
-    surface::{ToWorld, image_uv, material_at, side_of, surface_error, surface_interaction},
+    surface::{
+        Place, ToWorld, image_uv, material_at, side_of, surface_error, surface_interaction,
+        turn_to_viewer,
+    },
 };
 use umbriel_kernels::{
     Hit, LANES, Lanes, PointLanes, Ray, Surface, Vec3Lanes,
@@ -98,13 +101,32 @@ impl SurfaceLanes {
         let material = &scene.materials[placed.material.index()];
         self.sort(material);
         match placed.geometry {
-            Geometry::Surface(id)
-                if !material.needs_tangent() && bvh.to_object(InstanceId(instance)).is_none() =>
-            {
-                let surface = &scene.surfaces[id.index()];
-                self.settle(surface, hits, material.is_textured());
-                self.orient(placed.inside_out);
-                self.look_up(scene, material, !material.is_textured(), Self::image_uvs);
+            Geometry::Surface(id) if !material.needs_tangent() => {
+                let (surface, with_uv) = (&scene.surfaces[id.index()], material.is_textured());
+                match bvh.to_object(InstanceId(instance)) {
+                    Some(to_object) => {
+                        let to_world = ToWorld::new(&placed.transform, to_object);
+                        self.settle(
+                            surface,
+                            hits,
+                            with_uv,
+                            #[inline(always)]
+                            |ray, t| ray.transformed(to_object).at(t),
+                        );
+                        self.orient_moved(placed.inside_out, &to_world);
+                    }
+                    None => {
+                        self.settle(
+                            surface,
+                            hits,
+                            with_uv,
+                            #[inline(always)]
+                            |ray, t| ray.at(t),
+                        );
+                        self.orient(placed.inside_out);
+                    }
+                }
+                self.look_up(scene, material, !with_uv, Self::image_uvs);
             }
             Geometry::Mesh(id) if !material.needs_tangent() => {
                 let mesh = &scene.meshes[id.index()];
@@ -285,11 +307,17 @@ impl SurfaceLanes {
         self.unlit = bsdf.unlit;
     }
 
-    /// Positions and normals.
+    /// Positions and normals in the surface's own space, where `place` is.
     #[inline(always)]
-    fn settle(&mut self, surface: &Surface, hits: impl Iterator<Item = (Ray, Hit)>, with_uv: bool) {
+    fn settle(
+        &mut self,
+        surface: &Surface,
+        hits: impl Iterator<Item = (Ray, Hit)>,
+        with_uv: bool,
+        place: impl Fn(&Ray, f32) -> Vec3,
+    ) {
         for (i, (ray, hit)) in hits.enumerate().take(LANES) {
-            self.points.p.set(i, ray.at(hit.t));
+            self.points.p.set(i, place(&ray, hit.t));
             self.points.part[i] = hit.primitive;
             self.wo.set(i, -ray.dir);
         }
@@ -315,6 +343,22 @@ impl SurfaceLanes {
             self.ns.set(i, side * n);
             self.shadow_p.set(i, p);
             self.error.set(i, surface_error(p));
+        }
+    }
+
+    /// [`SurfaceLanes::orient`] of points in another space than the world.
+    #[inline(always)]
+    fn orient_moved(&mut self, inside_out: bool, to_world: &ToWorld) {
+        for i in 0..whole_vectors(self.len) {
+            let (p, n) = (self.points.p.get(i), self.points.n.get(i));
+            let place = to_world.place(Place::on_surface(p, n));
+            let (place, side) = turn_to_viewer(place, inside_out, self.wo.get(i));
+            self.side[i] = side;
+            self.points.p.set(i, place.p);
+            self.error.set(i, place.error);
+            self.shadow_p.set(i, place.p + place.lift);
+            self.ng.set(i, place.ng);
+            self.ns.set(i, place.ns);
         }
     }
 

@@ -176,6 +176,14 @@ impl PointLanes {
                     (p, n, Vec2::ZERO)
                 },
             ),
+            Surface::Cuboid(s) if !with_uv => self.settle_each(
+                whole_vectors(len),
+                #[inline(always)]
+                |part, p| {
+                    let (p, n) = s.normal_at(part, p);
+                    (p, n, Vec2::ZERO)
+                },
+            ),
             Surface::Plane(s) => self.settle_each(
                 whole_vectors(len),
                 #[inline(always)]

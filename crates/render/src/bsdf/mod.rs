@@ -10,6 +10,7 @@ mod layers;
 mod plain;
 mod sample;
 mod sheen;
+mod smooth;
 
 pub use diffuse::{eval_diffuse, pdf_diffuse, sample_diffuse};
 pub use energy::{Albedo, albedo_sheen};
@@ -21,6 +22,7 @@ pub use layers::Layers;
 pub(crate) use plain::Plain;
 pub use sample::BsdfSample;
 pub use sheen::{eval_sheen, pdf_sheen, sample_sheen};
+pub(crate) use smooth::Smooth;
 
 use crate::fresnel::{fresnel_dielectric, fresnel_schlick, normal_reflectance};
 use umbriel_kernels::glam::Vec3;

@@ -1,7 +1,7 @@
 //! Directions in which a material scatters light, chosen at random by lobe.
 
 use super::{
-    Bsdf, Plain, eval_ggx_transmission, ggx::pdf_ggx_visible, pdf_diffuse, pdf_ggx,
+    Bsdf, Plain, Smooth, eval_ggx_transmission, ggx::pdf_ggx_visible, pdf_diffuse, pdf_ggx,
     pdf_ggx_transmission, pdf_sheen, refracting_half, sample_diffuse, sample_ggx,
     sample_ggx_visible, sample_sheen, width,
 };
@@ -90,6 +90,9 @@ impl Bsdf {
         if Plain::is(self) && self.roughness > 0.0 {
             return self.sample_plain(n, wo, lobe, u);
         }
+        if Smooth::is(self) {
+            return self.sample_clear(n, wo, lobe);
+        }
         self.sample_layered(n, wo, lobe, u)
     }
 
@@ -107,6 +110,16 @@ impl Bsdf {
             weight,
             pdf,
             transmitted: false,
+        })
+    }
+
+    fn sample_clear(&self, n: Vec3, wo: Vec3, lobe: f32) -> Option<BsdfSample> {
+        let found = Smooth::new(self, n.dot(wo)).sample(self, n, wo, lobe);
+        (found.weight.max_element() > 0.0).then_some(BsdfSample {
+            wi: found.wi,
+            weight: found.weight,
+            pdf: f32::INFINITY,
+            transmitted: found.transmitted,
         })
     }
 

@@ -293,7 +293,7 @@ impl PathTracer<'_> {
     }
 
     /// What glowing surfaces send.
-    fn emit_lanes(&self, members: &[NumberedHit], radiance: &mut [SampleLight]) {
+    pub(super) fn emit_lanes(&self, members: &[NumberedHit], radiance: &mut [SampleLight]) {
         if self.surfaces.are_dark() {
             return;
         }

@@ -5,20 +5,19 @@
 
 mod lanes;
 mod scatter;
+mod smooth;
 mod start;
 mod state;
 
 use crate::{
-    CameraFrame, Method, SceneBvh, Settings, ShadowRays, direct::Visibility,
-    emitters::Emitters, film::is_light, hit_groups::HitGroups, sample_light::SampleLight,
-    surface_lanes::SurfaceLanes,
+    CameraFrame, Method, SceneBvh, Settings, ShadowRays, direct::Visibility, emitters::Emitters, film::is_light,
+    hit_groups::HitGroups, sample_light::SampleLight, surface_lanes::SurfaceLanes,
 };
 use lanes::ScatterLanes;
+use smooth::SmoothLanes;
 use start::StartLanes;
 use state::{PathState, Unshadowed};
-use umbriel_kernels::{
-    Hit, LANES, Ray, VectorUnit, glam::Vec3,
-};
+use umbriel_kernels::{Hit, LANES, Ray, VectorUnit, glam::Vec3};
 
 /// Traces batches of paths; keeps its buffers between batches.
 #[derive(Debug)]
@@ -37,6 +36,7 @@ pub(crate) struct PathTracer<'a> {
     groups: HitGroups,
     surfaces: Box<SurfaceLanes>,
     lanes: Box<ScatterLanes>,
+    smooth: Box<SmoothLanes>,
     shadow_rays: Vec<Ray>,
     unshadowed: Vec<Unshadowed>,
     fractions: Vec<Vec3>,
@@ -66,6 +66,7 @@ impl<'a> PathTracer<'a> {
             groups: HitGroups::default(),
             surfaces: Box::default(),
             lanes: Box::default(),
+            smooth: Box::default(),
             shadow_rays: Vec::new(),
             unshadowed: Vec::new(),
             fractions: Vec::new(),
@@ -153,9 +154,15 @@ impl<'a> PathTracer<'a> {
                     #[inline(always)]
                     || surfaces.fill(self.bvh, instance, hits),
                 );
-                if self.settings.method == Method::Path && self.surfaces.scatter_plainly() {
-                    self.scatter_lanes(members, radiance);
-                    continue;
+                if self.settings.method == Method::Path {
+                    if self.surfaces.scatter_plainly() {
+                        self.scatter_lanes(members, radiance);
+                        continue;
+                    }
+                    if self.surfaces.are_smooth() {
+                        self.scatter_smooth(members, radiance);
+                        continue;
+                    }
                 }
                 for (lane, &(i, hit)) in members.iter().enumerate() {
                     self.scatter_one(i as usize, lane, &hit, radiance);

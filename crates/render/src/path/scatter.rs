@@ -40,7 +40,7 @@ impl PathTracer<'_> {
         if u32::from(state.depth) >= self.depth() {
             return;
         }
-        state.bent = self.is_bent(&state, &surface);
+        state.bent = self.is_bent(&state, &surface.bsdf);
         let onward = self.onward(&surface, &state, radiance);
         if !state.bent {
             self.aim(&state, &surface, &onward);
@@ -74,11 +74,9 @@ impl PathTracer<'_> {
     }
 
     /// Whether the light that the path finds from here on comes straight to where the path comes from, by a filtered shadow ray.
-    fn is_bent(&self, state: &PathState, surface: &SurfaceInteraction) -> bool {
+    pub(super) fn is_bent(&self, state: &PathState, bsdf: &Bsdf) -> bool {
         let aimed_before = state.bent || state.pdf < f32::INFINITY;
-        surface.bsdf.transmission > 0.0
-            && aimed_before
-            && self.settings.glass() == GlassShadows::Filtered
+        bsdf.transmission > 0.0 && aimed_before && self.settings.glass() == GlassShadows::Filtered
     }
 
     /// The path goes straight on behind a surface of partial alpha.

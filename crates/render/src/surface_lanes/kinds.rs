@@ -1,7 +1,7 @@
 //! Which functions shade the surfaces in lanes.
 
 use super::SurfaceLanes;
-use crate::{Bsdf, Material};
+use crate::{Bsdf, Material, bsdf::Smooth};
 use umbriel_kernels::glam::Vec3;
 
 impl SurfaceLanes {
@@ -25,6 +25,12 @@ impl SurfaceLanes {
             && !self.unlit
             && alpha.iter().all(|&a| a >= 1.0)
             && (self.are_matte() || roughness.iter().all(|&r| r > 0.0))
+    }
+
+    /// Whether all lanes are of one material that [`Smooth`](crate::bsdf::Smooth) is for, opaque or clear, but without holes.
+    pub(crate) fn are_smooth(&self) -> bool {
+        let is_smooth = |bsdf: &Bsdf| Smooth::is(bsdf) && bsdf.alpha >= 1.0 && !bsdf.unlit;
+        self.uniform.as_ref().is_some_and(is_smooth)
     }
 
     /// Whether all lanes are of one material that has no lobe but the diffuse one.
