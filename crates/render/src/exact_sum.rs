@@ -51,7 +51,7 @@ fn steps(value: f32) -> u128 {
     }
 }
 
-/// The exponent of numbers whose last digit is a step: that of 1 is 127, and its 23 digits after the point are 41 steps too high.
+/// The exponent of numbers whose last digit is a step: 1 has the exponent 127 and 23 digits after the point.
 const ONE_STEP: u32 = 127 + 23 - 64;
 /// The exponent of 2⁶⁴.
 const BEYOND: u32 = 127 + 64;

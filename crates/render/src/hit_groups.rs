@@ -1,5 +1,6 @@
 //! Hits sorted by instance, so that what one material needs is done for many hits at once.
 
+use std::ops::Range;
 use umbriel_kernels::Hit;
 
 /// A hit and the number of its ray in the batch.
@@ -12,6 +13,8 @@ pub(crate) struct HitGroups {
     groups: Vec<(u32, usize)>,
     members: Vec<NumberedHit>,
     runs: Vec<Run>,
+    /// Neighbouring rays that hit nothing.
+    misses: Vec<Range<usize>>,
     /// For each instance of the scene the number of its hits, then the place of its next member; all 0 between calls.
     places: Vec<u32>,
 }
@@ -63,19 +66,26 @@ impl HitGroups {
 
     fn find_runs(&mut self, hits: &[Option<Hit>]) {
         self.runs.clear();
+        self.misses.clear();
         let instance = |hit: &Option<Hit>| hit.as_ref().map(|hit| hit.instance);
         let mut start = 0;
         for run in hits.chunk_by(|a, b| instance(a) == instance(b)) {
             let end = start + run.len();
-            if let Some(instance) = instance(&run[0]) {
-                self.runs.push(Run {
+            match instance(&run[0]) {
+                Some(instance) => self.runs.push(Run {
                     instance,
                     start,
                     end,
-                });
+                }),
+                None => self.misses.push(start..end),
             }
             start = end;
         }
+    }
+
+    /// The numbers of the rays that hit nothing, in rising order.
+    pub(crate) fn misses(&self) -> impl Iterator<Item = usize> {
+        self.misses.iter().flat_map(Range::clone)
     }
 
     /// Each instance that was hit, with its hits.
@@ -125,6 +135,7 @@ mod tests {
             })
             .to_vec();
             groups.sort(&hits, 10);
+            assert_eq!(groups.misses().collect::<Vec<_>>(), [0, 3]);
             let found: Vec<(u32, Vec<u32>)> = groups
                 .iter()
                 .map(|(instance, members)| {

@@ -143,6 +143,24 @@ pub(super) fn intersect_plane_block(rays: &RayBlock, plane: &Plane, t: &mut Dist
     }
 }
 
+/// Whether any ray of a block crosses the plane of a rectangle in its interval, or nearly does. Without divisions: shadow rays in a room
+/// end before most of its walls.
+#[inline(always)]
+pub(super) fn may_cross_rectangle(rays: &RayBlock, rectangle: &Rectangle) -> bool {
+    let center = rectangle.center.as_dvec3();
+    let n = rectangle.u.as_dvec3().cross(rectangle.v.as_dvec3());
+    let mut any = 0;
+    for i in 0..BLOCK {
+        let (o, d) = rays.lane(i);
+        // With the same operations as below: t = above / along, for t > 0 of at most t_max and its rounding to f32.
+        let (above, along) = (-(o - center).dot(n), d.dot(n));
+        let same_side = (above > 0.0) == (along > 0.0);
+        let end = f64::from(rays.t_max[i]) * (1.0 + 1e-6) + f64::from(f32::MIN_POSITIVE);
+        any |= u32::from(same_side & (above.abs() <= along.abs() * end));
+    }
+    any != 0
+}
+
 /// [`intersect_rectangle`](crate::intersect_rectangle) for a block.
 #[inline(always)]
 pub(super) fn intersect_rectangle_block(rays: &RayBlock, rectangle: &Rectangle, t: &mut Distances) {
@@ -184,7 +202,8 @@ pub(super) fn intersect_cuboid_block(
         for axis in 0..3 {
             let parallel = d[axis] == 0.0;
             inside &= !(parallel & ((to_min[axis] > 0.0) | (to_max[axis] < 0.0)));
-            let (low, high) = (to_min[axis] / d[axis], to_max[axis] / d[axis]);
+            let inverse = 1.0 / d[axis];
+            let (low, high) = (to_min[axis] * inverse, to_max[axis] * inverse);
             let turned = d[axis] < 0.0;
             let (enter, leave) = if turned { (high, low) } else { (low, high) };
             let first = 2 * axis as u32;

@@ -4,7 +4,7 @@ use super::{
     VectorUnit,
     block::{
         BLOCK, Distances, RayBlock, intersect_cuboid_block, intersect_plane_block,
-        intersect_rectangle_block, intersect_sphere_block,
+        intersect_rectangle_block, intersect_sphere_block, may_cross_rectangle,
     },
 };
 use crate::surface::meets_surface;
@@ -112,6 +112,11 @@ fn any(surfaces: &[Listed], rays: &[Ray], occluded: &mut [bool]) {
                 for (ray, blocked) in rays.iter().zip(&mut blocked) {
                     *blocked = *blocked || meets_surface(&listed.object_ray(ray), &listed.surface);
                 }
+                continue;
+            }
+            if let (Surface::Rectangle(rectangle), None) = (&listed.surface, &listed.to_object)
+                && !may_cross_rectangle(&block, rectangle)
+            {
                 continue;
             }
             intersect(listed, rays, &block, &mut t, &mut part);

@@ -100,6 +100,8 @@ impl<'a> PathTracer<'a> {
             self.hits.resize(self.rays.len(), None);
             self.bvh.intersect(&self.rays, &mut self.hits);
             self.rays_traced += self.rays.len() as u64;
+            let instances = self.bvh.scene().instances.len();
+            self.groups.sort(&self.hits, instances);
             self.see_sky(radiance);
             self.scatter(radiance);
             self.light(radiance);
@@ -131,19 +133,16 @@ impl<'a> PathTracer<'a> {
 
     fn see_sky(&self, radiance: &mut [SampleLight]) {
         let scene = self.bvh.scene();
-        for ((ray, state), hit) in self.rays.iter().zip(&self.states).zip(&self.hits) {
-            if hit.is_none() {
-                let share = self.sky_share(state, ray.dir);
-                let sky = state.weight * scene.sky(ray.dir) * share;
-                radiance[state.slot as usize].add(state.depth, sky);
-            }
+        for i in self.groups.misses() {
+            let (ray, state) = (&self.rays[i], &self.states[i]);
+            let share = self.sky_share(state, ray.dir);
+            let sky = state.weight * scene.sky(ray.dir) * share;
+            radiance[state.slot as usize].add(state.depth, sky);
         }
     }
 
     /// Evaluates each surface, adds what it emits, and sends a ray to a light and one that goes on.
     fn scatter(&mut self, radiance: &mut [SampleLight]) {
-        self.groups
-            .sort(&self.hits, self.bvh.scene().instances.len());
         let groups = std::mem::take(&mut self.groups);
         for (instance, members) in groups.iter() {
             for members in members.chunks(LANES) {
