@@ -5,6 +5,7 @@ use super::{
     scatter::shadow_ray,
     state::{
         DIRECTION_PAIR, LIGHT_PAIR, LOBE_PAIR, PLACE_PAIR, PathState, SURE_SURFACES, Unshadowed,
+        power_share,
     },
 };
 use crate::{
@@ -218,8 +219,7 @@ impl ScatterLanes {
             let wi = self.light.wi.get(i);
             let f = plain.eval(surface.ns, surface.wo, wi);
             let density = plain.pdf(surface.ns, surface.wo, wi);
-            // The balance heuristic; 1 for lights without extent.
-            let share = 1.0 / (1.0 + density / self.light.pdf[i]);
+            let share = power_share(self.light.pdf[i], density);
             let share = if wi.dot(surface.ng) > 0.0 { share } else { 0.0 };
             let radiance = self.weight.get(i) * f * self.light.radiance.get(i) * share;
             self.arriving.radiance.set(i, radiance);

@@ -16,7 +16,7 @@ use crate::{
 use lanes::ScatterLanes;
 use smooth::SmoothLanes;
 use start::StartLanes;
-use state::{PathState, Unshadowed};
+use state::{PathState, Unshadowed, power_share};
 use umbriel_kernels::{Hit, LANES, Ray, VectorUnit, glam::Vec3};
 
 /// Traces batches of paths; keeps its buffers between batches.
@@ -126,7 +126,7 @@ impl<'a> PathTracer<'a> {
         let aimed = self.emitters.sky_pdf(self.bvh.scene(), dir);
         match aimed > 0.0 {
             true if state.bent => 0.0,
-            true => state.pdf / (state.pdf + aimed),
+            true => power_share(state.pdf, aimed),
             false => 1.0,
         }
     }

@@ -4,6 +4,7 @@ use super::{
     PathTracer,
     state::{
         DIRECTION_PAIR, LIGHT_PAIR, LOBE_PAIR, PLACE_PAIR, PathState, SURE_SURFACES, Unshadowed,
+        power_share,
     },
 };
 use crate::{
@@ -94,8 +95,6 @@ impl PathTracer<'_> {
     }
 
     /// The share of a glowing surface's light that the path brings, where the rest comes from rays aimed at it.
-    ///
-    /// Source: Veach & Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995 (balance heuristic).
     pub(super) fn emission_share(&self, state: &PathState, hit: &Hit, p: Vec3) -> f32 {
         if state.bent {
             return 0.0;
@@ -108,7 +107,7 @@ impl PathTracer<'_> {
         let aimed = self
             .emitters
             .pdf(hit.instance, hit.primitive, state.from, normal, to_light);
-        state.pdf / (state.pdf + aimed)
+        power_share(state.pdf, aimed)
     }
 
     /// Takes down what a light gives, chosen at random, and the ray that asks for it.
@@ -133,8 +132,7 @@ impl PathTracer<'_> {
         }
         let (n, wo) = (surface.ns, surface.wo);
         let f = bsdf.eval_through(n, wo, light.wi);
-        // The balance heuristic; 1 for lights without extent.
-        let share = 1.0 / (1.0 + onward.pdf(n, wo, light.wi) / light.pdf);
+        let share = power_share(light.pdf, onward.pdf(n, wo, light.wi));
         let weighted = if onward.is_glossy {
             let shared = onward.eval_through(n, wo, light.wi);
             (f - shared).max(Vec3::ZERO) + shared * share

@@ -73,3 +73,17 @@ pub(super) struct Unshadowed {
     pub(super) surfaces: u16,
     pub(super) radiance: Vec3,
 }
+
+/// The weight of a sample of density `own` where another way of sampling has the density `other` for the same direction.
+///
+/// ```text
+/// w = own² / (own² + other²)
+/// ```
+/// 1 where `own` is infinite, as for lights without extent and smooth lobes. `own` is greater than 0.
+///
+/// Source: Veach & Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", SIGGRAPH 1995 (power heuristic).
+#[inline(always)]
+pub(super) fn power_share(own: f32, other: f32) -> f32 {
+    let ratio = other / own;
+    1.0 / (1.0 + ratio * ratio)
+}
