@@ -18,8 +18,8 @@ const TILE_BITS: u32 = 10;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PixelSampler {
     /// Place on the Z-shaped curve, times the samples a pixel has at most.
-    pub(crate) first: u32,
-    pub(crate) key: u32,
+    first: u32,
+    key: u32,
 }
 
 impl PixelSampler {
@@ -48,9 +48,33 @@ impl PixelSampler {
     /// Two random numbers in `[0, 1)²`: dimensions `2 pair` and `2 pair + 1` of sample `sample`.
     #[inline(always)]
     pub fn pair(&self, sample: u32, pair: u32) -> Vec2 {
+        self.point(sample).pair(pair)
+    }
+
+    /// All dimensions of sample `sample`.
+    #[inline(always)]
+    pub(crate) fn point(&self, sample: u32) -> SamplePoint {
+        SamplePoint {
+            index: self.first.wrapping_add(sample),
+            key: self.key,
+        }
+    }
+}
+
+/// One sample of a [`PixelSampler`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SamplePoint {
+    pub(crate) index: u32,
+    pub(crate) key: u32,
+}
+
+impl SamplePoint {
+    /// See [`PixelSampler::pair`].
+    #[inline(always)]
+    pub(crate) fn pair(self, pair: u32) -> Vec2 {
         let key = hash(self.key ^ hash(pair));
         // The order is Owen's, too: aligned blocks of samples stay blocks.
-        let index = scramble(self.first.wrapping_add(sample), key);
+        let index = scramble(self.index, key);
         let u = scramble(sobol_0(index), key.wrapping_mul(0x9e37_79b9));
         let v = scramble(sobol_1(index), key.wrapping_mul(0x85eb_ca6b));
         Vec2::new(unit_float(u), unit_float(v))

@@ -1,5 +1,6 @@
 //! The surfaces at many hits of one instance, in lanes.
 
+mod analytic;
 mod kinds;
 mod places;
 
@@ -8,10 +9,7 @@ use crate::{
     SurfaceInteraction,
     mesh_lanes::MeshLanes,
     mesh_point::{mesh_color, mesh_uvs},
-    surface::{
-        Place, ToWorld, image_uv, material_at, side_of, surface_error, surface_interaction,
-        turn_to_viewer,
-    },
+    surface::{ToWorld, material_at, surface_interaction},
 };
 use umbriel_kernels::{
     Hit, LANES, Lanes, PointLanes, Ray, Surface, Vec3Lanes,
@@ -305,61 +303,6 @@ impl SurfaceLanes {
         self.ior = bsdf.ior;
         self.thin_walled = bsdf.thin_walled;
         self.unlit = bsdf.unlit;
-    }
-
-    /// Positions and normals in the surface's own space, where `place` is.
-    #[inline(always)]
-    fn settle(
-        &mut self,
-        surface: &Surface,
-        hits: impl Iterator<Item = (Ray, Hit)>,
-        with_uv: bool,
-        place: impl Fn(&Ray, f32) -> Vec3,
-    ) {
-        for (i, (ray, hit)) in hits.enumerate().take(LANES) {
-            self.points.p.set(i, place(&ray, hit.t));
-            self.points.part[i] = hit.primitive;
-            self.wo.set(i, -ray.dir);
-        }
-        self.points.settle(self.len, surface, with_uv);
-    }
-
-    /// Where the textures of an analytic surface are read.
-    #[inline(always)]
-    fn image_uvs(&self, i: usize) -> ([Vec2; 2], Vec4) {
-        let uv = Vec2::new(self.points.u[i], self.points.v[i]);
-        ([image_uv(uv); 2], Vec4::ONE)
-    }
-
-    /// Turns the normals to the side that is seen.
-    #[inline(always)]
-    fn orient(&mut self, inside_out: bool) {
-        let outwards = if inside_out { -1.0 } else { 1.0 };
-        for i in 0..whole_vectors(self.len) {
-            let (p, n) = (self.points.p.get(i), outwards * self.points.n.get(i));
-            let side = side_of(self.wo.get(i), n);
-            self.side[i] = side;
-            self.ng.set(i, side * n);
-            self.ns.set(i, side * n);
-            self.shadow_p.set(i, p);
-            self.error.set(i, surface_error(p));
-        }
-    }
-
-    /// [`SurfaceLanes::orient`] of points in another space than the world.
-    #[inline(always)]
-    fn orient_moved(&mut self, inside_out: bool, to_world: &ToWorld) {
-        for i in 0..whole_vectors(self.len) {
-            let (p, n) = (self.points.p.get(i), self.points.n.get(i));
-            let place = to_world.place(Place::on_surface(p, n));
-            let (place, side) = turn_to_viewer(place, inside_out, self.wo.get(i));
-            self.side[i] = side;
-            self.points.p.set(i, place.p);
-            self.error.set(i, place.error);
-            self.shadow_p.set(i, place.p + place.lift);
-            self.ng.set(i, place.ng);
-            self.ns.set(i, place.ns);
-        }
     }
 
     /// The material: once where it is the same everywhere, lane by lane where textures or colours change it.

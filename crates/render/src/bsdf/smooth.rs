@@ -70,3 +70,49 @@ impl Smooth {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use umbriel_kernels::glam::Vec2;
+
+    /// The same directions and weights as those of any material.
+    #[test]
+    fn smooth_lobes_are_those_of_any_material() {
+        let n = Vec3::new(0.36, 0.48, 0.8);
+        let mut found = [0; 2];
+        for (metallic, transmission, eta, thin_walled) in [
+            (1.0, 0.0, 1.5, false),
+            (0.0, 1.0, 1.5, false),
+            (0.0, 1.0, 1.0 / 1.5, false),
+            (0.25, 1.0, 1.5, true),
+        ] {
+            let bsdf = Bsdf {
+                base_color: Vec3::new(0.9, 0.5, 0.1),
+                metallic,
+                transmission,
+                roughness: 0.0,
+                ior: 1.5,
+                eta,
+                thin_walled,
+                ..Bsdf::default()
+            };
+            assert!(Smooth::is(&bsdf));
+            for k in 0..1000 {
+                let lobe = (0.755 * k as f32).fract();
+                let wo = n + Vec3::new(0.002 * k as f32, 0.5, -0.3);
+                let wo = wo.normalize();
+                let all = bsdf.sample_layered(n, wo, lobe, Vec2::splat(0.5));
+                let own = bsdf.sample(n, wo, lobe, Vec2::splat(0.5));
+                assert_eq!(all.is_some(), own.is_some(), "{k}");
+                if let (Some(all), Some(own)) = (all, own) {
+                    assert_eq!(all.transmitted, own.transmitted);
+                    assert!((all.wi - own.wi).length() < 1e-6);
+                    assert!((all.weight - own.weight).length() < 1e-5, "{all:?} {own:?}");
+                    found[usize::from(own.transmitted)] += 1;
+                }
+            }
+        }
+        assert!(found[0] > 1000 && found[1] > 1000, "{found:?}");
+    }
+}

@@ -9,11 +9,12 @@ use super::{
     },
 };
 use crate::{
-    PixelSampler, Scene,
+    Scene,
     bsdf::Plain,
     emitters::{Emitters, LightLanes},
     hit_groups::NumberedHit,
     sample_light::SampleLight,
+    sobol::SamplePoint,
     surface_lanes::SurfaceLanes,
 };
 use umbriel_kernels::{
@@ -38,9 +39,8 @@ pub(super) struct ScatterLanes {
 /// Random numbers of each path.
 #[derive(Debug)]
 struct Numbers {
-    first: [u32; LANES],
+    index: [u32; LANES],
     key: [u32; LANES],
-    sample: [u32; LANES],
     first_pair: [u32; LANES],
     lobe: Lanes,
     direction: [Lanes; 2],
@@ -85,9 +85,8 @@ impl Default for ScatterLanes {
             weight: vectors.clone(),
             depth: [0; LANES],
             numbers: Numbers {
-                first: [0; LANES],
+                index: [0; LANES],
                 key: [0; LANES],
-                sample: [0; LANES],
                 first_pair: [0; LANES],
                 lobe: zeros,
                 direction: [zeros; 2],
@@ -121,27 +120,22 @@ impl Default for ScatterLanes {
 
 impl Numbers {
     #[inline(always)]
-    fn set(&mut self, i: usize, state: &PathState) {
-        self.first[i] = state.sampler.first;
-        self.key[i] = state.sampler.key;
-        self.sample[i] = state.sample;
+    fn set(&mut self, i: usize, state: &PathState, point: SamplePoint) {
+        (self.index[i], self.key[i]) = (point.index, point.key);
         self.first_pair[i] = state.first_pair();
     }
 
     #[inline(always)]
     fn draw(&mut self, len: usize) {
         for i in 0..whole_vectors(len) {
-            let sampler = PixelSampler {
-                first: self.first[i],
-                key: self.key[i],
-            };
-            let (sample, first) = (self.sample[i], self.first_pair[i]);
-            self.lobe[i] = sampler.pair(sample, first + LOBE_PAIR).x;
-            let direction = sampler.pair(sample, first + DIRECTION_PAIR);
+            let (index, key) = (self.index[i], self.key[i]);
+            let (point, first) = (SamplePoint { index, key }, self.first_pair[i]);
+            self.lobe[i] = point.pair(first + LOBE_PAIR).x;
+            let direction = point.pair(first + DIRECTION_PAIR);
             (self.direction[0][i], self.direction[1][i]) = (direction.x, direction.y);
-            let light = sampler.pair(sample, first + LIGHT_PAIR);
+            let light = point.pair(first + LIGHT_PAIR);
             (self.choice[i], self.survival[i]) = (light.x, light.y);
-            let place = sampler.pair(sample, first + PLACE_PAIR);
+            let place = point.pair(first + PLACE_PAIR);
             (self.place[0][i], self.place[1][i]) = (place.x, place.y);
         }
     }
@@ -188,13 +182,18 @@ impl PlainLanes {
 impl ScatterLanes {
     /// Takes up the paths `states`.
     #[inline(always)]
-    fn load<'a>(&mut self, states: impl Iterator<Item = (&'a PathState, Vec3)>, depth: u32) {
+    fn load<'a>(
+        &mut self,
+        points: &[SamplePoint],
+        states: impl Iterator<Item = (&'a PathState, Vec3)>,
+        depth: u32,
+    ) {
         for (i, (state, weight)) in states.enumerate().take(LANES) {
             let goes_on = u32::from(state.depth) < depth;
             self.weight
                 .set(i, if goes_on { weight } else { Vec3::ZERO });
             self.depth[i] = u32::from(state.depth);
-            self.numbers.set(i, state);
+            self.numbers.set(i, state, points[state.slot as usize]);
         }
     }
 
@@ -272,6 +271,7 @@ impl PathTracer<'_> {
         }
         let (scene, depth) = (self.bvh.scene(), self.settings.depth);
         let (lanes, surfaces, states) = (&mut *self.lanes, &*self.surfaces, &self.states);
+        let points = &self.points[..];
         let states = members.iter().map(|(i, hit)| {
             let state = &states[*i as usize];
             (state, state.weight * state.absorption(scene, hit.t))
@@ -279,7 +279,7 @@ impl PathTracer<'_> {
         self.unit.run(
             #[inline(always)]
             || {
-                lanes.load(states, depth);
+                lanes.load(points, states, depth);
                 lanes.numbers.draw(surfaces.len);
                 lanes.choose_lights(self.emitters, scene, surfaces);
                 if surfaces.are_matte() {

@@ -11,7 +11,8 @@ mod state;
 
 use crate::{
     CameraFrame, Method, SceneBvh, Settings, ShadowRays, direct::Visibility, emitters::Emitters, film::is_light,
-    hit_groups::HitGroups, sample_light::SampleLight, surface_lanes::SurfaceLanes,
+    hit_groups::HitGroups, sample_light::SampleLight, sobol::SamplePoint,
+    surface_lanes::SurfaceLanes,
 };
 use lanes::ScatterLanes;
 use smooth::SmoothLanes;
@@ -28,6 +29,8 @@ pub(crate) struct PathTracer<'a> {
     unit: VectorUnit,
     shadow: ShadowRays<'a>,
     starts: Box<StartLanes>,
+    /// Of each sample of the batch.
+    points: Vec<SamplePoint>,
     rays: Vec<Ray>,
     states: Vec<PathState>,
     next_rays: Vec<Ray>,
@@ -58,6 +61,7 @@ impl<'a> PathTracer<'a> {
             unit: bvh.unit(),
             shadow: ShadowRays::new(bvh, settings.glass()),
             starts: Box::default(),
+            points: Vec::new(),
             rays: Vec::new(),
             states: Vec::new(),
             next_rays: Vec::new(),
@@ -87,12 +91,14 @@ impl<'a> PathTracer<'a> {
         radiance.fill(SampleLight::default());
         self.rays.clear();
         self.states.clear();
+        self.points.clear();
         for (samples, slot) in samples.chunks(LANES).zip((0..).step_by(LANES)) {
             let (starts, seed) = (&mut *self.starts, self.settings.seed);
             self.unit.run(
                 #[inline(always)]
                 || starts.fill(frame, samples, count, seed),
             );
+            self.points.extend(self.starts.points());
             self.starts.push(slot, &mut self.rays, &mut self.states);
         }
         while !self.rays.is_empty() {

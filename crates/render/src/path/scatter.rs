@@ -11,7 +11,11 @@ use crate::{
     Bsdf, GlassShadows, Method, SurfaceInteraction, ray_cast::ambient_reflection,
     sample_light::SampleLight,
 };
-use umbriel_kernels::{Hit, Interval, Ray, glam::Vec3, offset_origin};
+use umbriel_kernels::{
+    Hit, Interval, Ray,
+    glam::{Vec2, Vec3},
+    offset_origin,
+};
 
 impl PathTracer<'_> {
     pub(super) fn scatter_one(
@@ -24,7 +28,7 @@ impl PathTracer<'_> {
         let surface = self.surfaces.get(lane);
         let mut state = self.states[i];
         state.weight *= state.absorption(self.bvh.scene(), hit.t);
-        let choices = state.pair(LOBE_PAIR);
+        let choices = self.pair(&state, LOBE_PAIR);
         if choices.y >= surface.bsdf.alpha {
             self.pass(i, &surface, state);
             return;
@@ -47,6 +51,11 @@ impl PathTracer<'_> {
             self.aim(&state, &surface, &onward);
         }
         self.go_on(&state, &surface, &onward, choices.x, lane, hit.instance);
+    }
+
+    /// Two random numbers for the surface that a path meets now.
+    fn pair(&self, state: &PathState, number: u32) -> Vec2 {
+        self.points[state.slot as usize].pair(state.first_pair() + number)
     }
 
     /// Surfaces that scatter at most. Whitted's depth, which counts the rays between them, is one less.
@@ -118,11 +127,15 @@ impl PathTracer<'_> {
             return;
         }
         let normal = facing(surface);
-        let choice = state.pair(LIGHT_PAIR).x;
+        let choice = self.pair(state, LIGHT_PAIR).x;
         let scene = self.bvh.scene();
-        let found = self
-            .emitters
-            .sample(scene, surface.p, normal, choice, state.pair(PLACE_PAIR));
+        let found = self.emitters.sample(
+            scene,
+            surface.p,
+            normal,
+            choice,
+            self.pair(state, PLACE_PAIR),
+        );
         let Some(light) = found else {
             return;
         };
@@ -161,7 +174,7 @@ impl PathTracer<'_> {
         lane: usize,
         instance: u32,
     ) {
-        let u = state.pair(DIRECTION_PAIR);
+        let u = self.pair(state, DIRECTION_PAIR);
         let sampled = onward.sample(surface.ns, surface.wo, lobe, u);
         let Some(sampled) = sampled else {
             return;
@@ -172,7 +185,7 @@ impl PathTracer<'_> {
         let mut weight = state.weight * sampled.weight;
         if state.depth >= SURE_SURFACES {
             let survival = weight.max_element().min(1.0);
-            if state.pair(LIGHT_PAIR).y >= survival {
+            if self.pair(state, LIGHT_PAIR).y >= survival {
                 return;
             }
             weight /= survival;

@@ -5,7 +5,7 @@ use super::{
     state::{LIGHT_PAIR, LOBE_PAIR, PathState, SURE_SURFACES},
 };
 use crate::{
-    Bsdf, PixelSampler, bsdf::Smooth, hit_groups::NumberedHit, sample_light::SampleLight,
+    Bsdf, bsdf::Smooth, hit_groups::NumberedHit, sample_light::SampleLight, sobol::SamplePoint,
     surface_lanes::SurfaceLanes,
 };
 use umbriel_kernels::{LANES, Lanes, Ray, Vec3Lanes, glam::Vec3, offset_origin, whole_vectors};
@@ -13,9 +13,8 @@ use umbriel_kernels::{LANES, Lanes, Ray, Vec3Lanes, glam::Vec3, offset_origin, w
 /// The buffers of a block of paths.
 #[derive(Debug)]
 pub(super) struct SmoothLanes {
-    first: [u32; LANES],
+    index: [u32; LANES],
     key: [u32; LANES],
-    sample: [u32; LANES],
     first_pair: [u32; LANES],
     depth: [u32; LANES],
     /// 0 for paths that end.
@@ -31,9 +30,8 @@ impl Default for SmoothLanes {
     fn default() -> Self {
         let (vectors, zeros) = (Vec3Lanes::default(), [0; LANES]);
         Self {
-            first: zeros,
+            index: zeros,
             key: zeros,
-            sample: zeros,
             first_pair: zeros,
             depth: zeros,
             weight: vectors.clone(),
@@ -48,11 +46,14 @@ impl Default for SmoothLanes {
 
 impl SmoothLanes {
     #[inline(always)]
-    fn load<'a>(&mut self, states: impl Iterator<Item = (&'a PathState, Vec3)>) {
+    fn load<'a>(
+        &mut self,
+        points: &[SamplePoint],
+        states: impl Iterator<Item = (&'a PathState, Vec3)>,
+    ) {
         for (i, (state, weight)) in states.enumerate().take(LANES) {
-            self.first[i] = state.sampler.first;
-            self.key[i] = state.sampler.key;
-            self.sample[i] = state.sample;
+            let point = points[state.slot as usize];
+            (self.index[i], self.key[i]) = (point.index, point.key);
             self.first_pair[i] = state.first_pair();
             self.depth[i] = u32::from(state.depth);
             self.weight.set(i, weight);
@@ -62,11 +63,10 @@ impl SmoothLanes {
     #[inline(always)]
     fn draw(&mut self, len: usize) {
         for i in 0..whole_vectors(len) {
-            let (first, key) = (self.first[i], self.key[i]);
-            let sampler = PixelSampler { first, key };
-            let (sample, first) = (self.sample[i], self.first_pair[i]);
-            self.lobe[i] = sampler.pair(sample, first + LOBE_PAIR).x;
-            self.survival[i] = sampler.pair(sample, first + LIGHT_PAIR).y;
+            let (index, key) = (self.index[i], self.key[i]);
+            let (point, first) = (SamplePoint { index, key }, self.first_pair[i]);
+            self.lobe[i] = point.pair(first + LOBE_PAIR).x;
+            self.survival[i] = point.pair(first + LIGHT_PAIR).y;
         }
     }
 
@@ -114,6 +114,7 @@ impl PathTracer<'_> {
         };
         let (scene, depth) = (self.bvh.scene(), self.settings.depth);
         let (lanes, surfaces, states) = (&mut *self.smooth, &*self.surfaces, &self.states);
+        let points = &self.points[..];
         let states = members.iter().map(|(i, hit)| {
             let state = &states[*i as usize];
             (state, state.weight * state.absorption(scene, hit.t))
@@ -121,7 +122,7 @@ impl PathTracer<'_> {
         self.unit.run(
             #[inline(always)]
             || {
-                lanes.load(states);
+                lanes.load(points, states);
                 lanes.draw(surfaces.len);
                 lanes.go_on(surfaces, &bsdf, depth);
             },

@@ -1,7 +1,7 @@
 //! What a path carries from surface to surface.
 
-use crate::{MaterialId, PixelSampler, Scene};
-use umbriel_kernels::glam::{Vec2, Vec3};
+use crate::{MaterialId, Scene};
+use umbriel_kernels::glam::Vec3;
 
 /// Pairs of dimensions of a sample: that of the place in the pixel, that of the lens, and four a surface.
 pub(super) const PIXEL_PAIR: u32 = 0;
@@ -17,15 +17,13 @@ pub(super) const PLACE_PAIR: u32 = 3;
 /// Surfaces after which paths of little weight may end.
 pub(super) const SURE_SURFACES: u16 = 5;
 
-/// What a path carries beside its ray.
+/// What a path carries beside its ray; of the size of a cache line, since paths are read in the order of what they hit.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(super) struct PathState {
     /// By how much the radiance along the ray is multiplied in its sample.
     pub(super) weight: Vec3,
-    pub(super) sampler: PixelSampler,
-    /// Number of the sample in its pixel.
-    pub(super) sample: u32,
-    /// Where its radiance is summed.
+    /// Number of its sample in the batch.
     pub(super) slot: u32,
     /// Surfaces that scattered before.
     pub(super) depth: u16,
@@ -43,12 +41,6 @@ pub(super) struct PathState {
 }
 
 impl PathState {
-    /// Two random numbers for the surface that the path meets now.
-    #[inline(always)]
-    pub(super) fn pair(&self, number: u32) -> Vec2 {
-        self.sampler.pair(self.sample, self.first_pair() + number)
-    }
-
     /// What the medium leaves of the light along `t` metres of the path.
     #[inline(always)]
     pub(super) fn absorption(&self, scene: &Scene, t: f32) -> Vec3 {
@@ -87,3 +79,5 @@ pub(super) fn power_share(own: f32, other: f32) -> f32 {
     let ratio = other / own;
     1.0 / (1.0 + ratio * ratio)
 }
+
+const _: () = assert!(size_of::<PathState>() == 64);

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{Checker, Instance, MeshId, SurfaceId, Texture, TextureId, TextureRef};
 use umbriel_kernels::{
-    Plane, Rectangle, Sphere, Torus, VectorUnit,
+    Cuboid, Plane, Rectangle, Sphere, Torus, VectorUnit,
     glam::{Affine2, Affine3A, Mat3},
 };
 
@@ -31,6 +31,10 @@ fn scene() -> Scene {
                 major_radius: 1.0,
                 minor_radius: 0.3,
             }),
+            Surface::Cuboid(Cuboid {
+                min: v(-0.5, -0.3, -0.1),
+                max: v(0.7, 0.5, 1.1),
+            }),
         ],
         textures: vec![Texture::Checker(Checker {
             even: v(0.2, 0.3, 0.4).extend(1.0),
@@ -52,8 +56,9 @@ fn scene() -> Scene {
         ],
         ..Scene::default()
     };
-    for i in 0..32 {
-        let moved = Affine3A::from_translation(v(0.25, 0.0, 0.1));
+    for i in 0..40 {
+        let turned = Affine3A::from_rotation_y(0.3) * Affine3A::from_scale(v(1.0, 0.8, 1.1));
+        let moved = Affine3A::from_translation(v(0.25, 0.0, 0.1)) * turned;
         scene.instances.push(Instance {
             name: String::new(),
             geometry: Geometry::Surface(SurfaceId(i / 8)),
