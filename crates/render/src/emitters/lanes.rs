@@ -157,14 +157,11 @@ impl Emitters {
         for i in 0..len.min(LANES) {
             let (number, probability) = (light.choices.number[i], light.choices.probability[i]);
             if light.flat.kind[i] == OTHER && probability > 0.0 {
-                let light_chosen = Choice::Placed(number);
-                light.others.push((
-                    i,
-                    Chosen {
-                        light: light_chosen,
-                        probability,
-                    },
-                ));
+                let chosen = Chosen {
+                    light: Choice::Placed(number),
+                    probability,
+                };
+                light.others.push((i, chosen));
             }
         }
     }
@@ -202,3 +199,6 @@ impl Emitters {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
