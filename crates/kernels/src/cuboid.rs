@@ -111,9 +111,8 @@ pub fn intersect_cuboid(ray: &Ray, cuboid: &Cuboid) -> Option<SurfaceHit> {
             continue;
         }
         let part = 2 * i as u32;
-        let inverse = 1.0 / d[i];
-        let mut enter = (to_min[i] * inverse, part);
-        let mut leave = (to_max[i] * inverse, part + 1);
+        let mut enter = (to_min[i] / d[i], part);
+        let mut leave = (to_max[i] / d[i], part + 1);
         if d[i] < 0.0 {
             (enter, leave) = (leave, enter);
         }

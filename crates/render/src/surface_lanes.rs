@@ -12,7 +12,7 @@ use crate::{
     surface::{ToWorld, material_at, surface_interaction},
 };
 use umbriel_kernels::{
-    Hit, LANES, Lanes, PointLanes, Ray, Surface, Vec3Lanes,
+    Hit, LANES, Lanes, PointLanes, Ray, Vec3Lanes,
     glam::{Vec2, Vec3, Vec4},
     whole_vectors,
 };

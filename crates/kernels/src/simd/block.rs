@@ -202,8 +202,7 @@ pub(super) fn intersect_cuboid_block(
         for axis in 0..3 {
             let parallel = d[axis] == 0.0;
             inside &= !(parallel & ((to_min[axis] > 0.0) | (to_max[axis] < 0.0)));
-            let inverse = 1.0 / d[axis];
-            let (low, high) = (to_min[axis] * inverse, to_max[axis] * inverse);
+            let (low, high) = (to_min[axis] / d[axis], to_max[axis] / d[axis]);
             let turned = d[axis] < 0.0;
             let (enter, leave) = if turned { (high, low) } else { (low, high) };
             let first = 2 * axis as u32;

@@ -74,6 +74,7 @@ impl Default for FlatLanes {
 
 impl FlatLanes {
     /// Takes the emitters with the numbers of the lanes out of a short table, without branches.
+    #[expect(clippy::needless_range_loop, reason = "the plain loop runs in lanes")]
     #[inline(always)]
     pub(super) fn select(&mut self, len: usize, table: &[Flat], numbers: &[u32; LANES]) {
         for (number, flat) in (0..).zip(table) {
@@ -116,6 +117,7 @@ impl FlatLanes {
     }
 }
 
+#[expect(clippy::needless_range_loop, reason = "the plain loop runs in lanes")]
 #[inline(always)]
 fn select(lanes: &mut Vec3Lanes, len: usize, own: Vec3, number: u32, numbers: &[u32; LANES]) {
     for i in 0..whole_vectors(len) {

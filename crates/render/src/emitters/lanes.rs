@@ -58,6 +58,7 @@ impl LightLanes {
     }
 
     /// Directions in the lanes of one kind by its sampling function.
+    #[expect(clippy::needless_range_loop, reason = "the plain loop runs in lanes")]
     #[inline(always)]
     fn sample(
         &mut self,
@@ -167,6 +168,7 @@ impl Emitters {
     }
 
     /// Lane by lane.
+    #[expect(clippy::needless_range_loop, reason = "the plain loop runs in lanes")]
     #[inline(always)]
     fn choose_each(&self, surfaces: &SurfaceLanes, choice: &Lanes, light: &mut LightLanes) {
         for i in 0..surfaces.len.min(LANES) {

@@ -3,7 +3,7 @@
 use super::*;
 use crate::{Checker, Instance, MeshId, SurfaceId, Texture, TextureId, TextureRef};
 use umbriel_kernels::{
-    Cuboid, Plane, Rectangle, Sphere, Torus, VectorUnit,
+    Cuboid, Plane, Rectangle, Sphere, Surface, Torus, VectorUnit,
     glam::{Affine2, Affine3A, Mat3},
 };
 
