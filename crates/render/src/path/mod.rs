@@ -10,8 +10,8 @@ mod start;
 mod state;
 
 use crate::{
-    CameraFrame, Method, SceneBvh, Settings, ShadowRays, direct::Visibility, emitters::Emitters, film::is_light,
-    hit_groups::HitGroups, sample_light::SampleLight, sobol::SamplePoint,
+    CameraFrame, Method, SceneBvh, Settings, ShadowRays, direct::Visibility, emitters::Emitters,
+    film::is_light, hit_groups::HitGroups, sample_light::SampleLight, sobol::SamplePoint,
     surface_lanes::SurfaceLanes,
 };
 use lanes::ScatterLanes;
