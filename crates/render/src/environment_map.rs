@@ -1,7 +1,8 @@
 //! A picture of what is around the scene: looked up, sampled by its brightness, and as the light that matte surfaces take of it.
 
+use crate::LUMINANCE;
 use std::f32::consts::{PI, TAU};
-use umbriel_kernels::glam::{Vec2, Vec3};
+use umbriel_kernels::glam::{DVec3, Vec2, Vec3};
 
 /// Radiance from all directions as a picture of 2:1: longitude across, latitude down, the way that panoramas are kept.
 ///
@@ -59,20 +60,14 @@ impl Irradiance {
         sum.max(Vec3::ZERO)
     }
 
-    /// Adds light of `radiance` from `solid_angle` steradians around the unit direction `dir`.
+    /// What light of `radiance` from `solid_angle` steradians around the unit direction `dir` adds to each coefficient.
     ///
     /// ```text
     /// E(n)/π = Σ A_l/π Y_lm(n) ∫ L Y_lm      A = π, 2π/3, π/4
     /// ```
-    fn add(&mut self, dir: Vec3, radiance: Vec3, solid_angle: f32) {
-        for ((sum, value), factor) in self
-            .coefficients
-            .iter_mut()
-            .zip(Self::basis(dir))
-            .zip(FACTORS)
-        {
-            *sum += radiance * (value * factor * solid_angle);
-        }
+    fn terms(dir: Vec3, radiance: Vec3, solid_angle: f32) -> [Vec3; 9] {
+        let basis = Self::basis(dir);
+        std::array::from_fn(|i| radiance * (basis[i] * FACTORS[i] * solid_angle))
     }
 }
 
@@ -94,7 +89,7 @@ const FACTORS: [f32; 9] = {
 };
 
 impl EnvironmentMap {
-    /// Most texels: 1.5 GiB as they are kept.
+    /// Most texels: 1 GiB as they are kept, of 16 bytes each.
     pub const MAX_TEXELS: u64 = 1 << 26;
 
     /// A map of `width` by `height` texels, finite and at least 0, row by row from the top, turned by `rotation` radians about the upright
@@ -102,7 +97,8 @@ impl EnvironmentMap {
     /// light.
     pub fn new(width: usize, height: usize, texels: Vec<Vec3>, rotation: f32) -> Option<Self> {
         let is_light = |texel: &Vec3| texel.is_finite() && texel.min_element() >= 0.0;
-        if texels.is_empty() || texels.len() != width * height || !texels.iter().all(is_light) {
+        let fits = width.checked_mul(height) == Some(texels.len());
+        if texels.is_empty() || !fits || !texels.iter().all(is_light) {
             return None;
         }
         let mut map = Self {
@@ -121,10 +117,10 @@ impl EnvironmentMap {
     /// Sums brightness and light over the texels.
     fn sum_up(&mut self) {
         let mut rows = Vec::with_capacity(self.height);
+        // In f64: millions of texels are each less than what f32 tells apart in their sum.
+        let mut light = [DVec3::ZERO; 9];
         for y in 0..self.height {
-            // The row's part of the sphere, in steradian.
-            let edge = |y: usize| (PI * y as f32 / self.height as f32).cos();
-            let solid_angle = TAU * (edge(y) - edge(y + 1));
+            let solid_angle = self.row_solid_angle(y);
             let mut row: Vec<f64> = Vec::with_capacity(self.width);
             let mut sum = 0.0;
             for x in 0..self.width {
@@ -134,12 +130,28 @@ impl EnvironmentMap {
                 let dir = self.direction(center / self.size());
                 let radiance = self.texels[y * self.width + x];
                 let share = solid_angle / self.width as f32;
-                self.irradiance.add(dir, radiance, share);
+                for (sum, term) in light
+                    .iter_mut()
+                    .zip(Irradiance::terms(dir, radiance, share))
+                {
+                    *sum += term.as_dvec3();
+                }
             }
             self.columns.extend(shares(&row));
             rows.push(rows.last().copied().unwrap_or(0.0) + sum * f64::from(solid_angle));
         }
         self.rows = shares(&rows).collect();
+        self.irradiance.coefficients = light.map(|sum| sum.as_vec3());
+    }
+
+    /// The cosine of the angle from +y at the upper edge of row `y`.
+    fn edge(&self, y: usize) -> f32 {
+        (PI * y as f32 / self.height as f32).cos()
+    }
+
+    /// A row's part of the sphere, in steradian.
+    fn row_solid_angle(&self, y: usize) -> f32 {
+        TAU * (self.edge(y) - self.edge(y + 1))
     }
 
     fn size(&self) -> Vec2 {
@@ -160,7 +172,7 @@ impl EnvironmentMap {
         let mut sum = 0.0;
         for (dy, v) in (-1..).zip(WEIGHTS) {
             for (dx, u) in (-1..).zip(WEIGHTS) {
-                sum += u * v * brightness(self.texel(x as i64 + dx, y as i64 + dy));
+                sum += u * v * LUMINANCE.dot(self.texel(x as i64 + dx, y as i64 + dy));
             }
         }
         sum
@@ -204,10 +216,9 @@ impl EnvironmentMap {
         let columns = &self.columns[y * self.width..][..self.width];
         let (x, column_share, t) = choose(columns, u.x)?;
         // Within the row uniform by solid angle: in the cosine.
-        let edge = |y: usize| (PI * y as f32 / self.height as f32).cos();
-        let cos = edge(y) + (edge(y + 1) - edge(y)) * v;
+        let cos = self.edge(y) + (self.edge(y + 1) - self.edge(y)) * v;
         let place = Vec2::new((x as f32 + t) / self.width as f32, cos.acos() / PI);
-        let solid_angle = TAU * (edge(y) - edge(y + 1)) / self.width as f32;
+        let solid_angle = self.row_solid_angle(y) / self.width as f32;
         Some((
             self.direction(place),
             row_share * column_share / solid_angle,
@@ -219,8 +230,7 @@ impl EnvironmentMap {
         let at = self.place(dir) * self.size();
         let x = (at.x as usize).min(self.width - 1);
         let y = (at.y as usize).min(self.height - 1);
-        let edge = |y: usize| (PI * y as f32 / self.height as f32).cos();
-        let solid_angle = TAU * (edge(y) - edge(y + 1)) / self.width as f32;
+        let solid_angle = self.row_solid_angle(y) / self.width as f32;
         let columns = &self.columns[y * self.width..][..self.width];
         share(&self.rows, y) * share(columns, x) / solid_angle
     }
@@ -256,11 +266,6 @@ fn choose(ends: &[f32], u: f32) -> Option<(usize, f32, f32)> {
     }
     let own = share(ends, i);
     Some((i, own, (u - (ends[i] - own)) / own))
-}
-
-/// Relative luminance.
-fn brightness(radiance: Vec3) -> f32 {
-    radiance.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
 #[cfg(test)]
@@ -347,6 +352,18 @@ mod tests {
         assert!((blank.irradiance().at(Vec3::Z) - Vec3::ONE).length() < 1e-4);
     }
 
+    /// However many texels are summed: a uniform sky of 8 million gives its own radiance.
+    #[test]
+    fn irradiance_of_large_maps_is_exact() {
+        let (width, height) = (4096, 2048);
+        let map = EnvironmentMap::new(width, height, vec![Vec3::ONE; width * height], 0.0);
+        let irradiance = map.unwrap().irradiance();
+        for n in [Vec3::Y, Vec3::NEG_Z, Vec3::new(0.6, -0.48, 0.64)] {
+            let found = irradiance.at(n);
+            assert!((found - Vec3::ONE).length() < 1e-4, "{n}: {found}");
+        }
+    }
+
     #[test]
     fn black_maps_have_no_samples() {
         let map = EnvironmentMap::new(4, 2, vec![Vec3::ZERO; 8], 0.0).unwrap();
@@ -363,5 +380,6 @@ mod tests {
             assert!(EnvironmentMap::new(4, 2, texels, 0.0).is_none(), "{wrong}");
         }
         assert!(EnvironmentMap::new(4, 2, vec![Vec3::splat(1e30); 8], 0.0).is_some());
+        assert!(EnvironmentMap::new(usize::MAX, 2, vec![Vec3::ONE; 8], 0.0).is_none());
     }
 }
