@@ -23,7 +23,7 @@ pub struct PixelSampler {
 }
 
 impl PixelSampler {
-    /// Greatest number of samples between which neighbouring pixels share a partition; with more, each pixel is on its own.
+    /// Binary logarithm of the greatest number of samples of a pixel with which neighbours share a partition; with more, each pixel is on its own.
     const MOST_SHARED: u32 = 32 - 2 * TILE_BITS;
 
     /// The sampler of a pixel of which at most `count` samples are taken, at least 1. Fewer are well spread, too; more are those of a

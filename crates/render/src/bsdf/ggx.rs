@@ -38,7 +38,7 @@ pub(super) fn a2_over_distribution(a2: f32, cos_h: f32) -> f32 {
 /// A microfacet normal, chosen at random among those seen from `wo` that mirror it to above the surface, but for a few; `u` in `[0, 1)²`.
 ///
 /// The directions that a stretched sphere reflects from `wo` fill a cap, which is sampled uniformly above the lowest that an unstretched one
-/// could leave by; `half` is the bisector of it and `wo`, squeezed back:
+/// could leave by; `h`, which is given back, is the bisector of it and the stretched `wo`, squeezed back:
 /// ```text
 /// v = (α wo.x, α wo.y, wo.z)/|·|      c: uniform above z = −k v.z      h = (α (c+v).x, α (c+v).y, (c+v).z)/|·|
 /// ```

@@ -35,7 +35,7 @@ pub fn eval_ggx_transmission(alpha: f32, eta: f32, n: Vec3, half: Vec3, wo: Vec3
     pdf_ggx_transmission(alpha, eta, n, half, wo, wi) * shadowing
 }
 
-/// The density in 1/sr of the direction to which the normal `half` of [`sample_ggx`](super::sample_ggx) refracts `wo`.
+/// The density in 1/sr of the direction to which the normal `half` of [`sample_ggx_visible`](super::sample_ggx_visible) refracts `wo`.
 ///
 /// ```text
 /// p(wi) = G₁(wo) D(h) |wo·h| / (n·wo) · η² |wi·h| / (wo·h + η wi·h)²

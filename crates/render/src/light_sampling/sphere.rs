@@ -69,12 +69,6 @@ fn distance_to(p: Vec3, to_center: Vec3, radius: f32, wi: Vec3) -> f32 {
     (first - rounding).max(0.5 * first)
 }
 
-/// The solid angle of the sphere, at most 4π, by [`cone_height`].
-#[cfg(test)]
-fn solid_angle(p: Vec3, center: Vec3, radius: f32) -> f32 {
-    TAU * cone_height(center - p, radius)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -82,9 +76,10 @@ mod tests {
 
     #[test]
     fn far_spheres_keep_their_solid_angle() {
-        let angle = solid_angle(Vec3::ZERO, Vec3::new(0.0, 0.0, 1e4), 1.0);
+        let solid_angle = |to_center: Vec3| TAU * cone_height(to_center, 1.0);
+        let angle = solid_angle(Vec3::new(0.0, 0.0, 1e4));
         assert!((angle / (PI * 1e-8) - 1.0).abs() < 1e-6, "{angle}");
-        assert_eq!(solid_angle(Vec3::ZERO, Vec3::ZERO, 1.0), 4.0 * PI);
+        assert_eq!(solid_angle(Vec3::ZERO), 4.0 * PI);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::{
     Bsdf, GlassShadows, Method, SurfaceInteraction, ray_cast::ambient_reflection,
-    sample_light::SampleLight,
+    sample_light::SampleLight, shade_block::MAX_PASSES,
 };
 use umbriel_kernels::{
     Hit, Interval, Ray,
@@ -91,7 +91,7 @@ impl PathTracer<'_> {
 
     /// The path goes straight on behind a surface of partial alpha.
     fn pass(&mut self, i: usize, surface: &SurfaceInteraction, state: PathState) {
-        if state.passes >= 256 {
+        if state.passes >= MAX_PASSES {
             return;
         }
         let dir = self.rays[i].dir;
