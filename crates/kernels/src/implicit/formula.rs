@@ -25,7 +25,7 @@ use std::fmt;
 /// - **Of bodies**: `union(a, b, …)`, `intersection(a, b, …)`, `difference(a, b, …)`, `smooth_union(a, b, k)` with a
 ///   seam of width `k`, `at(px, py, pz, body)`, `scale(s, body)`, and `rotate_x(angle, body)`, `rotate_y`, `rotate_z`, right-handed.
 ///
-/// A function has no value (NaN) where a part of it has none: √ of a negative, 0/0.
+/// A function has no value (NaN) where a part of it has none: √ of a negative, 0/0. A power of the constant exponent 0 is 1 everywhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Formula {
     source: String,
@@ -33,7 +33,7 @@ pub struct Formula {
 }
 
 impl Formula {
-    /// Brackets, functions, signs and powers in each other.
+    /// The most brackets, functions, signs and powers within each other.
     pub const MOST_NESTED: usize = 256;
 
     /// Reads a formula; `params` are further names and their numbers.

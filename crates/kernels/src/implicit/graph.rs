@@ -8,7 +8,8 @@ use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
 /// A formula's expressions, each after those that it is made of, and none twice.
 ///
 /// What is constant is computed by the operation that would do it at each point. Rewritten is only what gives the
-/// same number to the bit: `x·x` is a square, `x − 0` is `x`, division by a power of two a multiplication.
+/// same number, but for the sign of zero: `x·x` is a square, `x − 0` is `x`, division by a power of two a multiplication. Powers with small
+/// integer exponents are multiplied out, and `x⁰` is 1, also where `x` has no value.
 #[derive(Debug, Default)]
 pub(super) struct Graph {
     ops: Vec<Op>,
@@ -31,7 +32,7 @@ const INPUTS: u32 = 3;
 const MOST_POWER: f64 = 1024.0;
 
 impl Graph {
-    /// Different expressions in one formula, and steps of substitution.
+    /// Different expressions in one formula at most; steps of substitution are at most a quarter of that.
     pub(super) const MOST: usize = 1 << 23;
 
     /// Whether a formula has grown beyond what is computed; further expressions are not to be added.

@@ -155,17 +155,19 @@ impl Interval64 {
 
     /// `xⁿ` for an integer `n`; even powers are never negative, and `x⁰` is 1.
     pub fn powi(self, n: i32) -> Self {
-        if self.is_empty() || n == 1 {
-            return self;
+        match n {
+            _ if self.is_empty() => self,
+            0 => Self::point(1.0),
+            1.. => self.positive_power(n.unsigned_abs()),
+            _ => Self::point(1.0) / self.positive_power(n.unsigned_abs()),
         }
-        if n == 0 {
-            return Self::point(1.0);
-        }
-        if n < 0 {
-            return Self::point(1.0) / self.powi(-n);
-        }
-        let n = n.unsigned_abs();
-        if n.is_multiple_of(2) {
+    }
+
+    /// `xⁿ` for `n` of at least 1, of an interval that is not empty.
+    fn positive_power(self, n: u32) -> Self {
+        if n == 1 {
+            self
+        } else if n.is_multiple_of(2) {
             let a = self.abs();
             Self {
                 lo: power_of_positive(a.lo, n, below),

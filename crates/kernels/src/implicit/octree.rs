@@ -1,6 +1,7 @@
 //! Where in its bounds a function may have roots, and how it runs there: an octree of linear enclosures.
 
 use super::octree_build::Growth;
+use super::op::Op;
 use super::surface_bounds::Cell;
 use super::{Interval64, Tape};
 use arrayvec::ArrayVec;
@@ -142,7 +143,7 @@ impl Octree {
 
     /// Bytes on the heap.
     pub(super) fn memory(&self) -> usize {
-        let ops = |tape: &Tape| size_of::<Tape>() + tape.ops() * super::octree_build::OP_BYTES;
+        let ops = |tape: &Tape| size_of::<Tape>() + tape.ops() * size_of::<Op>();
         self.nodes.capacity() * size_of::<[u32; 8]>()
             + self.leaves.capacity() * size_of::<Leaf>()
             + self.tapes.iter().map(ops).sum::<usize>()

@@ -24,9 +24,6 @@ impl Growth {
     const VARIES: f64 = 0.35;
 }
 
-/// What an operation of a tape takes.
-pub(super) const OP_BYTES: usize = 24;
-
 /// A cell that is not decided yet.
 #[derive(Clone)]
 struct Open {

@@ -124,7 +124,8 @@ impl Tape {
 
     /// The formula within the box of the last [`Tape::interval`] that `scratch` saw: what that decided is left out.
     ///
-    /// Equal to the whole in all of the box, to the bit. `None` if nothing was decided, or by another tape.
+    /// Equal to the whole in all of the box, to the bit. `None` if nothing was decided. What another tape decided means nothing here, and is
+    /// noticed only where their numbers of choices differ.
     ///
     /// Source: Keeter, "Massively Parallel Rendering of Complex Closed-Form Implicit Surfaces", SIGGRAPH 2020.
     pub fn shorten(&self, scratch: &Scratch) -> Option<Self> {

@@ -108,7 +108,7 @@ fn functions_hold_their_values() {
 
 #[test]
 fn powers_hold_their_values() {
-    for n in [-7, -2, -1, 0, 1, 2, 3, 4, 5, 8, 13] {
+    for n in [i32::MIN, -7, -2, -1, 0, 1, 2, 3, 4, 5, 8, 13] {
         let has_value = |p: f64| {
             if n < 0 && p == 0.0 {
                 f64::NAN
