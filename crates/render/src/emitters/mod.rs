@@ -9,14 +9,9 @@ pub(crate) use lanes::LightLanes;
 
 use crate::{AlphaMode, EnvironmentMap, Geometry, Instance, LightBounds, LightTree, Scene};
 use flat::Flat;
-use shape::{
-    Emitter, emitter_box, light_bounds, light_ray, outward_sign, world_surface, world_triangle,
-};
+use shape::{Emitter, emitter_box, light_bounds, light_ray, world_surface, world_triangle};
 use std::f32::consts::PI;
-use umbriel_kernels::{
-    Aabb,
-    glam::{Vec2, Vec3},
-};
+use umbriel_kernels::glam::{Vec2, Vec3};
 
 /// A ray towards a light that was chosen at random.
 #[derive(Clone, Copy, Debug)]
@@ -27,14 +22,17 @@ pub(crate) struct LightRay {
     pub(crate) to_light: Vec3,
     /// Where the ray ends, in lengths of `to_light`; infinite where the light has no end.
     pub(crate) t_max: f32,
-    /// Arriving radiance over the density of the direction, or the illuminance over the probability for lights without extent.
+    /// Arriving radiance over the density of the direction and the probability of the light; for lights without extent the illuminance
+    /// over the probability alone.
     pub(crate) radiance: Vec3,
-    /// Density of the direction in 1/sr, by all that was chosen; infinite for lights without extent.
+    /// Density of the direction in 1/sr, by all that was chosen; infinite for point, spot and directional lights, of whatever extent, which no
+    /// other way of sampling finds.
     pub(crate) pdf: f32,
 }
 
-/// The cosine that opens the cone of normals of what shines on both sides.
+/// Cosines of half of the angle of the cone of normals, of what shines on both sides and of what shines on one.
 const BOTH_SIDES: f32 = -1.0;
+const ONE_SIDE: f32 = 1.0;
 
 /// Rays end before the light that they are aimed at: by more than rounding errors, and less than anything that could stand there.
 const ALMOST: f32 = 1.0 - 1e-4;
@@ -42,7 +40,7 @@ const ALMOST: f32 = 1.0 - 1e-4;
 #[derive(Clone, Copy, Debug)]
 struct Placed {
     emitter: Emitter,
-    /// Instance and primitive of what is no [`Light`].
+    /// Instance and primitive of what is no [`Light`](crate::Light), for which they are `u32::MAX` and 0.
     instance: u32,
     primitive: u32,
 }
@@ -140,14 +138,14 @@ impl Emitters {
         if !(power > 0.0) || material.unlit || material.alpha_mode != AlphaMode::Opaque {
             return;
         }
-        let mut add = |emitter: Emitter, primitive, area: f32, axis: Vec3, cos_normals, aabb| {
+        let mut add = |primitive, (emitter, area, axis): (Emitter, f32, Vec3), cos_normals| {
             self.placed.push(Placed {
                 emitter,
                 instance: number,
                 primitive,
             });
             bounds.push(LightBounds {
-                aabb,
+                aabb: emitter_box(&emitter),
                 axis,
                 cos_normals,
                 // A triangle without area keeps its place in the order, and is never chosen by much.
@@ -156,30 +154,17 @@ impl Emitters {
         };
         match instance.geometry {
             Geometry::Mesh(id) => {
-                let outwards = outward_sign(instance);
-                let sides = if material.shows_back() {
-                    BOTH_SIDES
-                } else {
-                    1.0
-                };
+                let is_double = material.shows_back();
+                let sides = if is_double { BOTH_SIDES } else { ONE_SIDE };
                 let mesh = &scene.meshes[id.index()];
                 for i in 0..mesh.indices.len() {
-                    let t = world_triangle(&mesh.triangle(i), &instance.transform);
-                    let cross = (t.b - t.a).cross(t.c - t.a);
-                    let normal = outwards * cross.normalize_or(Vec3::Z);
-                    let aabb = Aabb {
-                        min: t.a.min(t.b).min(t.c),
-                        max: t.a.max(t.b).max(t.c),
-                    };
-                    let area = 0.5 * cross.length();
-                    add(Emitter::Triangle(t), i as u32, area, normal, sides, aabb);
+                    add(i as u32, world_triangle(&mesh.triangle(i), instance), sides);
                 }
             }
             Geometry::Surface(id) => {
                 let surface = &scene.surfaces[id.index()];
-                if let Some((emitter, area, axis)) = world_surface(surface, &instance.transform) {
-                    let aabb = emitter_box(&emitter);
-                    add(emitter, 0, area, axis, BOTH_SIDES, aabb);
+                if let Some(found) = world_surface(surface, &instance.transform) {
+                    add(0, found, BOTH_SIDES);
                 }
             }
         }

@@ -17,7 +17,7 @@ use umbriel_kernels::{
 /// Something that shines from one place.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Emitter {
-    /// A light without extent, by its position in [`Scene::lights`].
+    /// A point or spot light, by its position in [`Scene::lights`](crate::Scene::lights).
     Light(u32),
     Sphere {
         center: Vec3,
@@ -39,7 +39,7 @@ pub(super) enum Emitter {
 impl Emitter {
     pub(super) fn sample(&self, p: Vec3, u: Vec2) -> DirectionSample {
         match self {
-            // It is a single direction, which has no density.
+            // Of those that rays cannot meet, `light_ray` makes directions of no density.
             Self::Light(_) => DirectionSample::NONE,
             Self::Sphere { center, radius } => sample_sphere(p, *center, *radius, u),
             Self::Rectangle { center, u: a, v: b } => sample_rectangle(p, *center, *a, *b, u),
@@ -63,7 +63,7 @@ impl Emitter {
     }
 }
 
-/// Where a light without extent is and how much it gives; `None` for parallel light.
+/// Where a point or spot light is, where it shines and how much; `None` for parallel light.
 pub(super) fn light_bounds(light: &Light) -> Option<LightBounds> {
     let reach = Vec3::splat(0.5 * light.size());
     let at = |position: Vec3, intensity: Vec3, axis, cos_normals, sphere: f32| LightBounds {
@@ -158,9 +158,13 @@ fn ray_to_body(
     }
 }
 
-pub(super) fn world_triangle(t: &Triangle, transform: &Affine3A) -> Triangle {
-    let [a, b, c] = [t.a, t.b, t.c].map(|p| transform.transform_point3(p));
-    Triangle { a, b, c }
+/// A triangle of a mesh in the world, its area and its outward normal.
+pub(super) fn world_triangle(t: &Triangle, instance: &Instance) -> (Emitter, f32, Vec3) {
+    let [a, b, c] = [t.a, t.b, t.c].map(|p| instance.transform.transform_point3(p));
+    let cross = (b - a).cross(c - a);
+    let normal = outward_sign(instance) * cross.normalize_or(Vec3::Z);
+    let emitter = Emitter::Triangle(Triangle { a, b, c });
+    (emitter, 0.5 * cross.length(), normal)
 }
 
 /// A surface in the world, its area and its normal; `None` for those without a sampling formula.
@@ -226,6 +230,7 @@ fn uniform_scale(transform: &Affine3A) -> Option<f32> {
     (even && square).then_some(scale)
 }
 
+/// The box around what glows; for lights see [`light_bounds`].
 pub(super) fn emitter_box(emitter: &Emitter) -> Aabb {
     let around = |center: Vec3, reach: Vec3| Aabb {
         min: center - reach,
@@ -236,7 +241,11 @@ pub(super) fn emitter_box(emitter: &Emitter) -> Aabb {
             around(center, Vec3::splat(radius))
         }
         Emitter::Rectangle { center, u, v } => around(center, u.abs() + v.abs()),
-        Emitter::Light(_) | Emitter::Triangle(_) => around(Vec3::ZERO, Vec3::ZERO),
+        Emitter::Triangle(t) => Aabb {
+            min: t.a.min(t.b).min(t.c),
+            max: t.a.max(t.b).max(t.c),
+        },
+        Emitter::Light(_) => around(Vec3::ZERO, Vec3::ZERO),
     }
 }
 
