@@ -139,6 +139,11 @@ impl ShadowMap {
         cube::images(light, settings)
     }
 
+    /// How many texels a light's images have together, see [`ShadowMap::images`].
+    pub fn texel_count(light: &Light, settings: &ShadowMapSettings) -> u64 {
+        u64::from(Self::images(light, settings)) * u64::from(settings.resolution).pow(2)
+    }
+
     /// Bytes that a light's depth images take with these settings, those of ids apart; filters that live on moments have two or four numbers a texel more, and
     /// as many again while they are blurred.
     pub fn bytes(light: &Light, settings: &ShadowMapSettings) -> u64 {
@@ -147,9 +152,7 @@ impl ShadowMap {
             ShadowFilter::Evsm { .. } | ShadowFilter::Msm { .. } => 1 + 2 * 4,
             _ => 1,
         };
-        let texels =
-            u64::from(settings.resolution).pow(2) * u64::from(Self::images(light, settings));
-        texels * numbers * 4
+        Self::texel_count(light, settings) * numbers * 4
     }
 
     /// Its depth images: the cascades of a directional light from the nearest on, one of a spot light and of what is far away, or the six of a cube for point

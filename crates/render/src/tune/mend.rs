@@ -1,7 +1,7 @@
 //! What could mend the pixels that settings leave wrong.
 
 use super::score::TuneBench;
-use crate::{Cause, LightErrors, ShadowMapSettings, ShadowMaps};
+use crate::{Cause, LightErrors, ShadowMapSettings, ShadowMaps, WrongPixel};
 
 /// Wrong pixels by what could mend them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -12,6 +12,21 @@ pub struct Mends {
     pub texels: u64,
     /// Glass, and what is not in the map: neither.
     pub neither: u64,
+}
+
+impl Mends {
+    /// Of the wrong pixels of one picture.
+    pub fn of(wrong: &[WrongPixel]) -> Self {
+        let mut mends = Self::default();
+        for wrong in wrong {
+            *match wrong.cause {
+                Cause::Acne | Cause::Leak => &mut mends.bias,
+                Cause::Edge | Cause::Penumbra => &mut mends.texels,
+                Cause::Glass | Cause::Outside => &mut mends.neither,
+            } += 1;
+        }
+        mends
+    }
 }
 
 /// Counts the wrong pixels of settings, from all cameras, by what could mend them. Their sum is [`Score::wrong`](super::Score::wrong).
@@ -28,13 +43,10 @@ pub fn mends(bench: &TuneBench, map: &ShadowMapSettings) -> Mends {
             settings.glass(),
             bench.tolerance,
         );
-        for wrong in &errors.wrong {
-            *match wrong.cause {
-                Cause::Acne | Cause::Leak => &mut mends.bias,
-                Cause::Edge | Cause::Penumbra => &mut mends.texels,
-                Cause::Glass | Cause::Outside => &mut mends.neither,
-            } += 1;
-        }
+        let own = Mends::of(&errors.wrong);
+        mends.bias += own.bias;
+        mends.texels += own.texels;
+        mends.neither += own.neither;
     }
     mends
 }

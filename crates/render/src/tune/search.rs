@@ -3,7 +3,7 @@
 use super::{
     found::{Found, better, clearly_better, neighbours, pairs, sort},
     score::{DrawnMaps, TuneBench},
-    space::{Sides, TuneSpace, texels},
+    space::{Sides, TuneSpace},
 };
 use crate::{Bias, Light, ShadowFilter, ShadowMap, ShadowMapSettings};
 
@@ -16,7 +16,7 @@ pub struct Budget {
     pub seconds: Option<f64>,
 }
 
-/// One search's memory.
+/// One search and its memory: what was drawn last, and how much was measured.
 pub struct Search<'a> {
     bench: &'a TuneBench<'a>,
     space: &'a TuneSpace<'a>,
@@ -35,6 +35,8 @@ pub struct Search<'a> {
 
 /// Factors by which the best numbers are changed at last, in turn up and down.
 const STEPS: [f32; 2] = [1.2, 1.08];
+/// How often all numbers are changed by each of these, as long as that helps.
+const MOST_ROUNDS: u32 = 8;
 /// One in so many pixels tells the good settings from the bad ones, and one in more if of these enough are wrong.
 const COARSE: usize = 4;
 const COARSEST: usize = 16;
@@ -74,7 +76,7 @@ impl<'a> Search<'a> {
             cascades: 1,
             ..self.base
         };
-        texels(self.light(), &map)
+        ShadowMap::texel_count(self.light(), &map)
     }
 
     /// The settings of each budget from `budget` down in steps of a quarter of its texels, `levels` of them, that are better than all that are cheaper: the front of
@@ -249,7 +251,7 @@ impl<'a> Search<'a> {
             self.remeasure(COARSE, best);
         }
         for step in STEPS {
-            for _ in 0..8 {
+            for _ in 0..MOST_ROUNDS {
                 let before = best.clone();
                 let (map, rule) = (best.map, best.rule);
                 for knob in 0..best.knobs.len() {
@@ -316,7 +318,7 @@ impl<'a> Search<'a> {
             .scores(&mut self.drawn, map, &biases, self.stride, most);
         self.tried += all.len() as u64;
         (self.progress)(self.tried);
-        let texels = texels(self.light(), map);
+        let texels = ShadowMap::texel_count(self.light(), map);
         let found: Vec<Found> = (all.into_iter().zip(biases).zip(scores))
             .filter_map(|((knobs, bias), score)| {
                 Some(Found {

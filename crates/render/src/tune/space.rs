@@ -1,6 +1,6 @@
 //! What may be tried: maps, filters and biases.
 
-use crate::{Bias, BiasUnit, Light, ShadowFilter, ShadowMap, ShadowMapSettings};
+use crate::{Bias, BiasUnit, Light, ShadowFilter, ShadowMapSettings};
 
 /// Which numbers of texels a side a map may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,11 +54,6 @@ impl Sides {
             Self::PowersOfTwo => 1 << side.ilog2(),
         })
     }
-}
-
-/// How many texels a light's images have together.
-pub(super) fn texels(light: &Light, map: &ShadowMapSettings) -> u64 {
-    u64::from(ShadowMap::images(light, map)) * u64::from(map.resolution).pow(2)
 }
 
 impl TuneSpace<'_> {

@@ -8,6 +8,7 @@ mod words;
 
 pub(crate) use args::CompareArgs;
 pub(crate) use sweep::{SweepArgs, run as sweep};
+pub(crate) use words::percent;
 
 use crate::{
     camera::choose_camera,
@@ -23,7 +24,7 @@ use measure::{Job, Measured, measure};
 use std::time::Instant;
 use umbriel_formats::{
     Loaded, encode_png,
-    render::{Light, SceneBvh, Settings},
+    render::{Camera, Light, SceneBvh, Settings},
     write_file,
 };
 
@@ -37,17 +38,7 @@ pub(crate) fn run(args: &CompareArgs, start: Instant) -> Result<(), Failure> {
     let camera = choose_camera(&loaded.scene, &args.truth.view)?;
     args.truth.say_notes(&loaded);
     let bvh = SceneBvh::without_trees(&loaded.scene);
-    let job = Job {
-        args,
-        bvh: &bvh,
-        camera: &camera,
-        settings: &settings,
-        exposure: args
-            .exposure
-            .or(loaded.settings.exposure.map(Exposure::Stops))
-            .unwrap_or(default_exposure(&args.truth.scene, &loaded)),
-        tonemap: args.tonemap.map(Into::into).or(loaded.settings.tonemap),
-    };
+    let job = job(args, &loaded, &bvh, &camera, &settings);
     let measured = pool.install(|| measure(&job, &chosen));
     if let Some(output) = &args.output {
         let sheet = picture::draw(&job, &measured);
@@ -57,6 +48,26 @@ pub(crate) fn run(args: &CompareArgs, start: Instant) -> Result<(), Failure> {
         )?;
     }
     report(&job, &measured, start)
+}
+
+/// What is compared; what the options do not say of exposure and tone curve the file does.
+fn job<'a>(
+    args: &'a CompareArgs,
+    loaded: &Loaded,
+    bvh: &'a SceneBvh<'a>,
+    camera: &'a Camera,
+    settings: &'a Settings,
+) -> Job<'a> {
+    let exposure = loaded.settings.exposure.map(Exposure::Stops);
+    let usual = || default_exposure(&args.truth.scene, loaded);
+    Job {
+        args,
+        bvh,
+        camera,
+        settings,
+        exposure: args.exposure.or(exposure).unwrap_or_else(usual),
+        tonemap: args.tonemap.map(Into::into).or(loaded.settings.tonemap),
+    }
 }
 
 fn report(job: &Job, measured: &Measured, start: Instant) -> Result<(), Failure> {

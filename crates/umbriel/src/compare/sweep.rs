@@ -1,21 +1,20 @@
 //! `umbriel sweep`: one setting of shadow maps from too little to too much, as a strip of labelled pictures.
 
 use super::{
-    CompareArgs, check_sizes, load,
-    measure::{Job, Measured, measure},
+    CompareArgs, check_sizes, job, load,
+    measure::{Measured, measure},
     settings,
     words::percent,
 };
 use crate::{
     camera::choose_camera,
     errors::Failure,
-    render::{build_pool, default_exposure},
+    render::build_pool,
     run::print_line,
     say::say,
     shadow_maps::map_words,
     sheet::{Bitmap, Panel, compose},
     show::find_light,
-    values::Exposure,
 };
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
@@ -83,17 +82,7 @@ pub(crate) fn run(args: &SweepArgs, start: Instant) -> Result<(), Failure> {
     }
     let bvh = SceneBvh::without_trees(&loaded.scene);
     let step = |(value, settings): &(&str, Settings)| {
-        let job = Job {
-            args: compare,
-            bvh: &bvh,
-            camera: &camera,
-            settings,
-            exposure: compare
-                .exposure
-                .or(loaded.settings.exposure.map(Exposure::Stops))
-                .unwrap_or(default_exposure(&compare.truth.scene, &loaded)),
-            tonemap: compare.tonemap.map(Into::into).or(loaded.settings.tonemap),
-        };
+        let job = job(compare, &loaded, &bvh, &camera, settings);
         let measured = pool.install(|| measure(&job, &[number]));
         let map = &settings.shadow_maps[number];
         let panel = panel(args.over, value, light, map, &measured);

@@ -6,7 +6,7 @@ use super::{
 };
 use crate::shadow_maps::{map_words, shown_size};
 use serde_json::{Map, Value, json};
-use umbriel_formats::render::{Cause, Comparison, Light, ShadowMap};
+use umbriel_formats::render::{Cause, Comparison, Light, Mends, ShadowMap};
 
 /// One table a light, and the pictures.
 pub(super) fn table(job: &Job, measured: &Measured) -> String {
@@ -97,16 +97,8 @@ fn truth_words(measured: &Measured, found: &MeasuredLight, light: &Light) -> Str
 
 /// Wrong pixels that a bias, that texels and filters, and that neither can mend.
 fn mends(found: &MeasuredLight) -> [usize; 3] {
-    let mut counts = [0; 3];
-    for wrong in &found.errors.wrong {
-        let which = match wrong.cause {
-            Cause::Acne | Cause::Leak => 0,
-            Cause::Edge | Cause::Penumbra => 1,
-            Cause::Glass | Cause::Outside => 2,
-        };
-        counts[which] += 1;
-    }
-    counts
+    let mends = Mends::of(&found.errors.wrong);
+    [mends.bias, mends.texels, mends.neither].map(|count| count as usize)
 }
 
 fn picture_words(pictures: Option<&Comparison>) -> String {
@@ -121,7 +113,7 @@ pub(super) fn ssim(pictures: Option<&Comparison>) -> String {
 }
 
 /// Three digits behind the point: a hundred-thousandth of the points is seen.
-pub(super) fn percent(percent: f64) -> String {
+pub(crate) fn percent(percent: f64) -> String {
     format!("{percent:.3} %")
 }
 

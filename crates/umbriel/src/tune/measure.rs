@@ -199,7 +199,7 @@ pub(super) fn measured(bench: &TuneBench, map: &ShadowMapSettings) -> Measured {
     let light = &bench.bvh.scene().lights[bench.light];
     Measured {
         map: *map,
-        texels: u64::from(map.resolution).pow(2) * u64::from(ShadowMap::images(light, map)),
+        texels: ShadowMap::texel_count(light, map),
         score: bench.score(&mut DrawnMaps::default(), map),
     }
 }

@@ -2,9 +2,12 @@
 
 use super::{
     measure::{Job, TunedLight},
-    words::{cameras, percent, settings},
+    words::{cameras, settings},
 };
-use crate::svg::{document, escaped, text};
+use crate::{
+    compare::percent,
+    svg::{document, escaped, text},
+};
 use std::fmt::Write;
 
 const WIDTH: f64 = 960.0;

@@ -73,10 +73,6 @@ fn wrong(bench: &TuneBench, map: &ShadowMapSettings) -> u64 {
     found.bias + found.texels + found.neither
 }
 
-fn texels(light: &Light, map: &ShadowMapSettings) -> u64 {
-    u64::from(ShadowMap::images(light, map)) * u64::from(map.resolution).pow(2)
-}
-
 /// An engine's own settings with smaller maps.
 fn default_of(dialect: &Dialect, bench: &TuneBench, smaller: u32) -> Option<ShadowMapSettings> {
     let light = &bench.bvh.scene().lights[bench.light];
@@ -185,7 +181,7 @@ fn light_rows(scene: &str, [known, unknown]: [&TuneBench; 2], smaller: u32, most
     let defaults = dialects.filter_map(|d| Some((d.title, default_of(d, known, smaller)?)));
     let row = |(title, map): (&str, ShadowMapSettings)| {
         let budget = Budget {
-            texels: texels(light, &map).min(most),
+            texels: ShadowMap::texel_count(light, &map).min(most),
             seconds: None,
         };
         let found = searched.entry(budget.texels);

@@ -2,8 +2,9 @@
 
 use super::{
     measure::{Job, TunedLight},
-    words::{percent, settings},
+    words::settings,
 };
+use crate::compare::percent;
 use umbriel_formats::render::{Light, ShadowMapSettings};
 
 /// A table `[render.shadow_map]` for the first light tuned, which others have, too, unless they have a table of their own; for each further one a line to paste

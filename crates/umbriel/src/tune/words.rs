@@ -5,6 +5,7 @@ use super::{
     engines::Dialect,
     measure::{Job, Measured, Refusal, TunedEngine, TunedLight},
 };
+use crate::compare::percent;
 use umbriel_formats::render::{Found, Light, Mends, Score, ShadowMap, ShadowMapSettings, Shimmer};
 
 /// A part for each light.
@@ -218,11 +219,6 @@ pub(super) fn refusal(args: &TuneArgs, name: &str, refusal: &Refusal) -> String 
 /// A count of pixels as a percentage of those that the light would reach.
 pub(super) fn share(count: u64, score: &Score) -> String {
     percent(100.0 * count as f64 / score.asked.max(1) as f64)
-}
-
-/// Three digits behind the point, as `compare` has them.
-pub(super) fn percent(percent: f64) -> String {
-    format!("{percent:.3} %")
 }
 
 /// How long it took.

@@ -124,7 +124,7 @@ pub(super) struct Place {
     pub(super) width: f32,
 }
 
-/// Known text, read by the tests.
+/// The filter `bilinear:SIDE`.
 const fn bilinear(side: u32) -> ShadowFilter {
     ShadowFilter::Bilinear { side }
 }
