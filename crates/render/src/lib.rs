@@ -1,4 +1,5 @@
-//! One scene, drawn by shadow maps (Williams 1978) and by rays: ray casting (Appel 1968) and Whitted's ray tracing (1980).
+//! One scene, drawn by shadow maps (Williams 1978) and by rays: ray casting (Appel 1968), Whitted's ray tracing (1980) and path tracing
+//! (Kajiya 1986).
 //!
 //! A [`Scene`] is plain data. [`SceneBvh::build`] makes it ready for rays, [`render()`] draws it with a [`Camera`] and
 //! [`Settings`] into a [`Film`], and [`develop`] turns that into bytes for a screen. `ARCHITECTURE.md` says how the
@@ -7,6 +8,11 @@
 //! | topic | function | source |
 //! |---|---|---|
 //! | ray casting, Whitted's ray tracing, shadow mapping | [`render()`] with a [`Method`] | Appel 1968; Whitted 1980; Williams 1978 |
+//! | path tracing, distributed ray tracing | [`render()`] with [`Method::Path`], [`Method::Distributed`]: `path/` | Kajiya 1986; Cook, Porter & Carpenter 1984; Veach & Guibas 1995 (rays to lights and rays that find them) |
+//! | one light of many | [`LightTree::sample`]; twin `light_tree/few.rs` | Conty Estevez & Kulla 2018 |
+//! | directions towards lights with area | [`sample_sphere`], [`sample_disk`], [`sample_rectangle`], [`sample_triangle`] | Shirley, Wang & Zimmerman 1996; Ureña, Fajardo & King 2013; Arvo 1995 |
+//! | directions towards the bright parts of the sky | [`EnvironmentMap::sample`] | Pharr, Jakob & Humphreys 2023 |
+//! | well-spread random numbers | [`PixelSampler`] | Burley 2020; Ahmed & Wonka 2020 |
 //! | when a picture of samples stops | [`PathFilm`] | Schmeiser 1982 (its noise); Kirk & Arvo 1991 (bias) |
 //! | adaptive anti-aliasing | [`Sampling::Adaptive`] | Whitted 1980; Mitchell 1987 |
 //! | pinhole camera: rays, projection | [`CameraFrame::ray`], [`Camera::view_projection`] | |

@@ -94,7 +94,7 @@ pub fn render_with_maps(
     }
 }
 
-/// [`render_with_maps`] and [`develop`](crate::develop) in one, into the memory of a former picture, without a film where none is needed: pictures of
+/// [`render_with_maps`] and [`develop`] in one, into the memory of a former picture, without a film where none is needed: pictures of
 /// one sample a pixel by rasterisation are developed tile by tile while they are in the cache.
 pub fn render_bytes_into(
     bvh: &SceneBvh,

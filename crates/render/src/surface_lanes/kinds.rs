@@ -27,7 +27,7 @@ impl SurfaceLanes {
             && (self.are_matte() || roughness.iter().all(|&r| r > 0.0))
     }
 
-    /// Whether all lanes are of one material that [`Smooth`](crate::bsdf::Smooth) is for, opaque or clear, but without holes.
+    /// Whether all lanes are of one material that [`Smooth`] is for, opaque or clear, but without holes.
     pub(crate) fn are_smooth(&self) -> bool {
         let is_smooth = |bsdf: &Bsdf| Smooth::is(bsdf) && bsdf.alpha >= 1.0 && !bsdf.unlit;
         self.uniform.as_ref().is_some_and(is_smooth)
