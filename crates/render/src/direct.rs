@@ -45,10 +45,10 @@ struct PendingLight {
 
 /// What a block of surfaces reflects of one light, and the rays towards it.
 #[derive(Debug)]
-struct LitLanes {
+pub(crate) struct LitLanes {
     /// Greatest share of the light in any colour.
-    share: Lanes,
-    radiance: Vec3Lanes,
+    pub(crate) share: Lanes,
+    pub(crate) radiance: Vec3Lanes,
     /// Of the light, by which it arrives.
     fraction: Lanes,
     origin: Vec3Lanes,
@@ -70,6 +70,23 @@ impl Default for LitLanes {
 }
 
 impl LitLanes {
+    /// What each surface reflects of one light, without rays towards it.
+    #[inline(always)]
+    pub(crate) fn reflect_alone(
+        &mut self,
+        light: &Light,
+        surfaces: &SurfaceLanes,
+        weights: &Vec3Lanes,
+    ) {
+        self.reflect(
+            light,
+            surfaces,
+            weights,
+            #[inline(always)]
+            |_, _, _, _| {},
+        );
+    }
+
     /// What each surface reflects of one light. `keep` is called for each lane with what arrives there.
     #[inline(always)]
     fn reflect(
@@ -289,13 +306,7 @@ impl DirectLight {
         }
         let lit = &mut self.lit;
         for (number, light) in lights.iter().enumerate() {
-            lit.reflect(
-                light,
-                surfaces,
-                &seen.weight,
-                #[inline(always)]
-                |_, _, _, _| {},
-            );
+            lit.reflect_alone(light, surfaces, &seen.weight);
             let questions = lit.questions(surfaces.len);
             if questions == 0 {
                 continue;

@@ -2,7 +2,7 @@
 
 use crate::{
     Camera, CameraFrame, Light, Method, Sampling, SceneBvh, Settings, SurfaceInteraction,
-    direct::{ray_to_light, share_of},
+    direct::{LEAST_SHARE, LitLanes, ray_to_light, share_of},
     eye_raster::{EyeRaster, Seen, TILE, least_w},
     hit_groups::HitGroups,
     render::raster_samples,
@@ -11,8 +11,9 @@ use crate::{
 };
 use rayon::prelude::*;
 use umbriel_kernels::{
-    Hit, LANES, Ray, TileImage,
+    Hit, LANES, Ray, TileImage, Vec3Lanes,
     glam::{Vec2, Vec3},
+    whole_vectors,
 };
 
 /// A visible point, as lights are asked about it.
@@ -127,12 +128,20 @@ impl SeenPoints {
         }
     }
 
-    /// Takes down a surface, if there are lights that it would reflect.
-    fn push(&mut self, lights: &[Light], pixel: u32, hit: &Hit, surface: &SurfaceInteraction) {
+    /// Takes down the surface of a lane, if there are lights that it would reflect.
+    fn push(
+        &mut self,
+        lit: &[LitLanes],
+        lane: usize,
+        pixel: u32,
+        hit: &Hit,
+        surface: &SurfaceInteraction,
+    ) {
         let point = self.points.len() as u32;
         let mut is_asked = false;
-        for (light, questions) in lights.iter().zip(&mut self.questions) {
-            if let Some(radiance) = reflected(light, surface) {
+        for (lit, questions) in lit.iter().zip(&mut self.questions) {
+            if lit.share[lane] > LEAST_SHARE {
+                let radiance = lit.radiance.get(lane);
                 questions.push(Question { point, radiance });
                 is_asked = true;
             }
@@ -155,6 +164,9 @@ struct Shader<'a> {
     width: u32,
     crop: [u32; 4],
     surfaces: Box<SurfaceLanes>,
+    weights: Vec3Lanes,
+    /// Of each light.
+    lit: Vec<LitLanes>,
     groups: HitGroups,
     points: SeenPoints,
 }
@@ -167,6 +179,13 @@ impl<'a> Shader<'a> {
             width,
             crop: settings.crop.unwrap_or([0, 0, width, height]),
             surfaces: Box::default(),
+            weights: Vec3Lanes::default(),
+            lit: bvh
+                .scene()
+                .lights
+                .iter()
+                .map(|_| LitLanes::default())
+                .collect(),
             groups: HitGroups::default(),
             points: SeenPoints::empty(bvh),
         }
@@ -186,6 +205,13 @@ impl<'a> Shader<'a> {
                     || {
                         self.surfaces.fill(self.bvh, instance, met);
                         self.surfaces.make_opaque();
+                        for i in 0..whole_vectors(members.len()) {
+                            let alpha = self.surfaces.alpha(i);
+                            self.weights.set(i, Vec3::splat(alpha));
+                        }
+                        for (light, lit) in scene.lights.iter().zip(&mut self.lit) {
+                            lit.reflect_alone(light, &self.surfaces, &self.weights);
+                        }
                     },
                 );
                 for (lane, (i, hit)) in members.iter().enumerate() {
@@ -194,7 +220,7 @@ impl<'a> Shader<'a> {
                     let asked = (left..right).contains(&x) && (top..bottom).contains(&y);
                     if asked && !surface.bsdf.unlit {
                         let pixel = y * self.width + x;
-                        self.points.push(&scene.lights, pixel, hit, &surface);
+                        self.points.push(&self.lit, lane, pixel, hit, &surface);
                     }
                 }
             }
