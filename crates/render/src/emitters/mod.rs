@@ -195,7 +195,7 @@ impl Emitters {
     }
 
     /// Chooses the light.
-    #[inline]
+    #[inline(always)]
     fn choose(&self, p: Vec3, n: Option<Vec3>, choice: f32) -> Option<Chosen> {
         if choice < self.sky_share {
             return Some(Chosen {

@@ -157,7 +157,7 @@ fn densities_are_those_of_the_samples() {
     let scene = all_lights();
     let emitters = Emitters::new(&scene);
     let mut seen = [0; 2];
-    for i in 0..100_000 {
+    for i in 0..120_000 {
         let p = 4.0 * (random(i, 1).extend(random(i, 2).x) - Vec3::splat(0.5));
         let n = (i % 2 == 0).then_some(Vec3::new(0.0, 0.6, 0.8));
         let Some(chosen) = emitters.choose(p, n, random(i, 0).x) else {

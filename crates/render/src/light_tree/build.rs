@@ -1,66 +1,87 @@
 //! How a tree over lights is made, from the top down.
 
-use super::{Kind, LightBounds, LightTree, Node, few::FEW};
+use super::{
+    LightBounds, LightTree,
+    node::{BoundsLanes, Child, Node, Place, WIDTH},
+};
+use std::ops::Range;
 use umbriel_kernels::glam::Vec3;
 
 /// Bins that are tried as places to part a group, along each axis.
 const BINS: usize = 12;
 
+/// Some of the ordered lights.
+#[derive(Clone)]
+struct Group {
+    members: Range<usize>,
+    bounds: LightBounds,
+}
+
 impl LightTree {
     /// A tree over lights; the same for the same lights.
     pub fn build(lights: &[LightBounds]) -> Self {
         let mut tree = Self {
-            nodes: Vec::with_capacity(2 * lights.len()),
-            leaves: vec![0; lights.len()],
-            few: Vec::new(),
+            nodes: Vec::new(),
+            places: vec![Place { node: 0, slot: 0 }; lights.len()],
         };
-        if lights.len() <= FEW {
-            tree.few = lights.to_vec();
+        if lights.is_empty() {
             return tree;
         }
         let mut order: Vec<u32> = (0..lights.len() as u32).collect();
-        // Groups that wait, and the node whose second child they are.
-        let mut waiting = vec![(0..order.len(), None)];
-        while let Some((group, above)) = waiting.pop() {
-            if group.is_empty() {
-                break;
+        let all = 0..order.len();
+        // Groups that wait for their node, and where it hangs.
+        let mut waiting = vec![(all, None)];
+        while let Some((members, above)) = waiting.pop() {
+            let node = tree.nodes.len() as u32;
+            if let Some(Place { node: parent, slot }) = above {
+                tree.nodes[parent as usize].children[slot as usize] = Child::Node(node);
             }
-            if let Some(above) = above {
-                let second = tree.nodes.len() as u32;
-                tree.nodes[above as usize].kind = Kind::Inner { second };
+            let groups = children(lights, &mut order, members);
+            for (slot, group) in (0..).zip(&groups) {
+                let place = Place { node, slot };
+                match group.members.len() {
+                    1 => tree.places[order[group.members.start] as usize] = place,
+                    _ => waiting.push((group.members.clone(), Some(place))),
+                }
             }
-            tree.add_group(lights, &mut order, group, above, &mut waiting);
+            let bounds: Vec<_> = groups.iter().map(|group| group.bounds).collect();
+            tree.nodes.push(Node {
+                bounds: BoundsLanes::new(&bounds),
+                children: groups
+                    .iter()
+                    .map(|group| Child::Light(order[group.members.start]))
+                    .collect(),
+                above,
+            });
         }
         tree
     }
+}
 
-    /// Adds the nodes of a group along its first children, down to a leaf.
-    fn add_group(
-        &mut self,
-        lights: &[LightBounds],
-        order: &mut [u32],
-        mut group: std::ops::Range<usize>,
-        mut parent: Option<u32>,
-        waiting: &mut Vec<(std::ops::Range<usize>, Option<u32>)>,
-    ) {
-        loop {
-            let own = self.nodes.len() as u32;
-            let members = &mut order[group.clone()];
-            let is_leaf = members.len() == 1;
-            self.nodes.push(Node {
-                bounds: bounds_of(lights, members),
-                parent: parent.unwrap_or(own),
-                kind: Kind::Leaf { light: members[0] },
-            });
-            if is_leaf {
-                self.leaves[members[0] as usize] = own;
-                return;
-            }
-            let middle = group.start + part(lights, members);
-            waiting.push((middle..group.end, Some(own)));
-            group = group.start..middle;
-            parent = Some(own);
-        }
+/// Parts a group into up to 16: always the one that costs most.
+fn children(lights: &[LightBounds], order: &mut [u32], members: Range<usize>) -> Vec<Group> {
+    if members.len() <= WIDTH {
+        return members.map(|i| group(lights, order, i..i + 1)).collect();
+    }
+    let mut groups = vec![group(lights, order, members)];
+    while groups.len() < WIDTH {
+        let can_part = (0..groups.len()).filter(|&i| groups[i].members.len() > 1);
+        let cost = |&i: &usize| groups[i].bounds.cost();
+        let Some(costliest) = can_part.max_by(|a, b| cost(a).total_cmp(&cost(b))) else {
+            break;
+        };
+        let members = groups[costliest].members.clone();
+        let middle = members.start + part(lights, &mut order[members.clone()]);
+        groups[costliest] = group(lights, order, members.start..middle);
+        groups.push(group(lights, order, middle..members.end));
+    }
+    groups
+}
+
+fn group(lights: &[LightBounds], order: &[u32], members: Range<usize>) -> Group {
+    Group {
+        bounds: bounds_of(lights, &order[members.clone()]),
+        members,
     }
 }
 
