@@ -80,6 +80,7 @@ mod instances;
 mod mesh_bvh;
 mod mesh_walk;
 mod mix;
+mod newton;
 mod offset;
 mod plane;
 pub mod polynomial;

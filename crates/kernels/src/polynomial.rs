@@ -1,5 +1,7 @@
 //! Real roots of quadratic, cubic and quartic polynomials in f64, in closed form and polished.
 
+use crate::newton::bracketed_newton;
+
 /// The distinct real roots of a polynomial of degree up to 4, in ascending order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Roots {
@@ -181,41 +183,11 @@ fn polish(p: &[f64], mut x: f64) -> f64 {
     x
 }
 
-/// The root of a monotone piece: Newton's method from the guess inside the piece, by bisection
-/// wherever Newton's step leaves the bracket or does not halve it. `f_low` is the value at `low`.
+/// The root of a monotone piece, from a guess in it. `f_low` is the value at `low`.
 fn polish_in(p: &[f64], low: f64, high: f64, f_low: f64, guesses: &[f64]) -> f64 {
-    let (mut low, mut high) = (low, high);
-    let mut x = guesses
-        .iter()
-        .copied()
-        .find(|&g| low < g && g < high)
-        .unwrap_or(0.5 * low + 0.5 * high);
-    let mut last = high - low;
-    // 200 halvings exhaust f64; Newton ends after a handful.
-    for _ in 0..200 {
-        let (f, df) = value(p, x);
-        if f == 0.0 {
-            return x;
-        }
-        if (f < 0.0) == (f_low < 0.0) {
-            low = x;
-        } else {
-            high = x;
-        }
-        let newton = x - f / df;
-        let step = (newton - x).abs();
-        let next = if newton > low && newton < high && step <= 0.5 * last {
-            newton
-        } else {
-            0.5 * low + 0.5 * high
-        };
-        last = (next - x).abs();
-        if last <= f64::EPSILON * x.abs() || next <= low || next >= high {
-            return next;
-        }
-        x = next;
-    }
-    x
+    let mut guesses = guesses.iter().copied();
+    let start = guesses.find(|&g| low < g && g < high).unwrap_or(low);
+    bracketed_newton(|x| value(p, x), [low, high], f_low, start)
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@ use random::Random;
 use std::sync::Arc;
 use umbriel_kernels::glam::{Affine3A, EulerRot, Quat, Vec3};
 use umbriel_kernels::{
-    Aabb, Body, ContainmentMethod, Formula, ImplicitError, ImplicitSurface, InstanceBvh, Listed,
-    Placed, Ray, Shape, Sphere, Surface, SurfaceList, Way, gamma, intersect_implicit,
+    Aabb, Body, ContainmentMethod, Formula, ImplicitError, ImplicitSurface, InstanceBvh, Interval,
+    Listed, Placed, Ray, Shape, Sphere, Surface, SurfaceList, Way, gamma, intersect_implicit,
     intersect_surface, offset_origin, surface_contains,
 };
 
@@ -326,7 +326,8 @@ fn instances_meet_the_same() {
     }
 }
 
-/// A function that turns a million times in its bounds: rays end, and it is counted.
+/// A function that turns a million times in its bounds: rays end, and it is counted. What stays undecided is a hit where it lies in the ray's
+/// interval, for any hit as for the nearest, and ends the list of all.
 #[test]
 fn work_is_bounded() {
     let wild = built(
@@ -334,10 +335,29 @@ fn work_is_bounded() {
         cube(1.0),
     )
     .expect("a surface");
+    let wild = Arc::new(wild);
+    let placed = Placed {
+        shape: Shape::Surface(Surface::Implicit(wild.clone())),
+        to_object: None,
+        filtered: false,
+    };
+    let bvh = InstanceBvh::build(Vec::new(), vec![placed]);
     let mut random = Random(75);
     for _ in 0..200 {
         let origin = (random.direction() * 3.0).as_vec3();
-        let _ = intersect_implicit(&Ray::new(origin, -origin), &wild);
+        let whole = Ray::new(origin, -origin);
+        let hit = intersect_implicit(&whole, &wild);
+        for share in [0.3, 0.6, 0.999, 1.001] {
+            let max = share * hit.unwrap_or(1.0);
+            let ray = Ray {
+                t: Interval { min: 0.0, max },
+                ..whole
+            };
+            let mut is_met = [false];
+            bvh.any_hits(&[ray], &mut is_met, &|_, _| true);
+            let nearest = intersect_implicit(&ray, &wild).is_some();
+            assert_eq!(is_met[0], nearest, "{ray:?}");
+        }
     }
     assert!(wild.exhausted() > 0);
     for bad in [f32::NAN, f32::INFINITY, 0.0, f32::MAX, f32::MIN_POSITIVE] {

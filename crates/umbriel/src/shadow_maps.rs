@@ -108,7 +108,8 @@ pub(crate) fn map_words(light: &Light, map: &ShadowMapSettings) -> String {
         map.bias, map.filter
     );
     let default = ShadowMapSettings::default().cascade_split;
-    if ShadowMap::images(light, map) > 1 && map.cascade_split != default {
+    let is_cascaded = matches!(light, Light::Directional(_)) && map.cascades > 1;
+    if is_cascaded && map.cascade_split != default {
         words += &format!(", split {}", map.cascade_split);
     }
     if let ShadowFilter::Pcss { .. } = map.filter {

@@ -121,7 +121,7 @@ struct Piece {
 }
 
 /// Gives the roots on [0, 1] of the polynomial with coefficients `b`, each known to `error`, to `found`, in ascending order, until it
-/// says that it has enough; whether it did.
+/// says that it has enough.
 ///
 /// By Descartes' rule there are at most as many roots in a piece as its coefficients change sign, and just one for one change.
 /// A coefficient of at most `error` in amount is counted with the sign that makes for more changes. A piece with
@@ -135,7 +135,7 @@ pub(super) fn each_polynomial_root(
     b: &Coefficients,
     error: f64,
     mut found: impl FnMut(Event) -> bool,
-) -> bool {
+) {
     let mut pieces = ArrayVec::<Piece, { HALVINGS as usize + 2 }>::new();
     let (mut low, mut width, mut halvings, mut b) = (0.0, 1.0, 0, *b);
     loop {
@@ -144,12 +144,12 @@ pub(super) fn each_polynomial_root(
         if changes == 1 && opposite {
             let root = polish_in(|s| value(degree, &b, s), (0.0, b[0]), (1.0, b[degree]));
             if found(Event::Root(low + width * root)) {
-                return true;
+                return;
             }
         } else if changes > 0 {
             if halvings == HALVINGS || b[..=degree].iter().all(|c| c.abs() <= error) {
                 if found(Event::Unclear(low, low + width)) {
-                    return true;
+                    return;
                 }
             } else {
                 width *= 0.5;
@@ -165,7 +165,7 @@ pub(super) fn each_polynomial_root(
             }
         }
         let Some(next) = pieces.pop() else {
-            return false;
+            return;
         };
         Piece {
             low,

@@ -105,13 +105,13 @@ struct Part {
 
 impl Octree {
     /// Gives each leaf that the ray passes to `visit`, with its middle and the part of `t` in it, in the order along the ray, until it
-    /// says that it has enough; whether it did. The parts of all cells together make up all of `t`.
+    /// says that it has enough. The parts of all cells together make up all of `t`.
     pub(super) fn walk(
         &self,
         (origin, dir): (DVec3, DVec3),
         t: Interval64,
         mut visit: impl FnMut(&Leaf, DVec3, Interval64) -> bool,
-    ) -> bool {
+    ) {
         let inverse = dir.recip();
         let mut stack = ArrayVec::<Part, STACK>::new();
         if !self.nodes.is_empty() {
@@ -131,14 +131,13 @@ impl Octree {
                     hi: part.to,
                 };
                 if visit(leaf, part.center, t) {
-                    return true;
+                    return;
                 }
             } else {
                 let children = &self.nodes[part.child as usize];
                 part.cut(children, (origin, dir), inverse, &mut stack);
             }
         }
-        false
     }
 
     /// Bytes on the heap.

@@ -274,7 +274,10 @@ impl Parser<'_> {
         } else {
             values.collect()
         };
-        let near = known.iter().map(|k| (distance(name, k), *k)).min();
+        // Typing errors are short; what is longer need not be compared whole.
+        let start: String = name.chars().take(64).collect();
+        let distance = |known: &str| strsim::damerau_levenshtein(&start, known);
+        let near = known.iter().map(|k| (distance(k), *k)).min();
         let kind = if is_call { "function" } else { "name" };
         match near {
             Some((distance, near))
@@ -289,20 +292,4 @@ impl Parser<'_> {
             }
         }
     }
-}
-
-/// Levenshtein's distance: how many characters are to be put in, left out or changed.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, a) in a.chars().take(64).enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, b) in b.iter().enumerate() {
-            let changed = diagonal + usize::from(a != *b);
-            diagonal = row[j + 1];
-            row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
-        }
-    }
-    row[b.len()]
 }

@@ -70,10 +70,14 @@ impl Polynomial {
             last = last.max(root);
             is_new && found(root)
         };
+        let mut is_enough = false;
         each_polynomial_root(self.basis.degree, &b, self.error, |event| {
             let (low, high) = match event {
                 Event::Root(s) => match self.belongs(line, t.lo + width * s) {
-                    Some(true) => return found(t.lo + width * s),
+                    Some(true) => {
+                        is_enough = found(t.lo + width * s);
+                        return is_enough;
+                    }
                     Some(false) => return false,
                     None => ((s - AROUND).max(0.0), (s + AROUND).min(1.0)),
                 },
@@ -83,8 +87,10 @@ impl Polynomial {
                 lo: (t.lo + width * low).next_down(),
                 hi: (t.lo + width * high).next_up(),
             };
-            each_root(line, part, budget, &mut found)
-        })
+            is_enough = each_root(line, part, budget, &mut found);
+            is_enough || budget.exhausted
+        });
+        is_enough
     }
 
     /// Whether a simple root of the polynomial is one of the function; `None` where rounding hides it.

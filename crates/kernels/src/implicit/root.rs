@@ -1,6 +1,7 @@
 //! Where a function of the ray's parameter is zero: interval subdivision that misses no root.
 
 use super::Interval64;
+use crate::newton::bracketed_newton;
 use arrayvec::ArrayVec;
 
 /// Pieces still to be searched. A piece is halved at most 64 times above the tolerance, and each time leaves one other half.
@@ -201,40 +202,10 @@ pub(super) fn polish(mut at: impl FnMut(f64) -> (f64, f64), low: f64, high: f64)
 
 /// [`polish`] between two parameters at which the values are known, of opposite sign.
 pub(super) fn polish_in(
-    mut at: impl FnMut(f64) -> (f64, f64),
-    (mut low, f_low): (f64, f64),
-    (mut high, f_high): (f64, f64),
+    at: impl FnMut(f64) -> (f64, f64),
+    (low, f_low): (f64, f64),
+    (high, f_high): (f64, f64),
 ) -> f64 {
     let start = low - f_low * (high - low) / (f_high - f_low);
-    let mut x = if low < start && start < high {
-        start
-    } else {
-        0.5 * low + 0.5 * high
-    };
-    let mut last = high - low;
-    // 200 halvings exhaust f64; Newton ends after a handful.
-    for _ in 0..200 {
-        let (f, slope) = at(x);
-        if f == 0.0 {
-            return x;
-        }
-        if (f < 0.0) == (f_low < 0.0) {
-            low = x;
-        } else {
-            high = x;
-        }
-        let newton = x - f / slope;
-        let step = (newton - x).abs();
-        let next = if newton > low && newton < high && step <= 0.5 * last {
-            newton
-        } else {
-            0.5 * low + 0.5 * high
-        };
-        last = (next - x).abs();
-        if last <= f64::EPSILON * x.abs() || next <= low || next >= high {
-            return next;
-        }
-        x = next;
-    }
-    x
+    bracketed_newton(at, [low, high], f_low, start)
 }

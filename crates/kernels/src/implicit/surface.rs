@@ -270,10 +270,11 @@ impl ImplicitSurface {
         };
         let is_inside = |t: f64| inside.is_some_and(|i| i.contains(segment.ray_t(t)));
         let (origin, dir) = (segment.origin(), segment.dir());
+        let mut is_enough = false;
         octree.walk((origin, dir), segment.t, |leaf, center, t| {
             let (from, to) = (segment.at(t.lo) - center, segment.at(t.hi) - center);
             line.tape = &octree.tapes[leaf.tape as usize];
-            match leaf.run(from, to, dir) {
+            is_enough = match leaf.run(from, to, dir) {
                 Run::NoRoot => false,
                 Run::Monotone(a, b) if changes_sign(a, b) && is_inside(t.lo) && is_inside(t.hi) => {
                     true
@@ -283,9 +284,11 @@ impl ImplicitSurface {
                     Ends::Root(root) => found(root),
                     Ends::Unclear => each_root(&mut line, t, budget, &mut found),
                 },
-                Run::Unknown => each_root(&mut line, t, budget, &mut found) || budget.exhausted,
-            }
-        })
+                Run::Unknown => each_root(&mut line, t, budget, &mut found),
+            };
+            is_enough || budget.exhausted
+        });
+        is_enough
     }
 
     /// The root of a monotone piece: where Newton's method finds it between the ends, else by the signs there, unless rounding may hide
@@ -336,7 +339,7 @@ fn checked(bounds: Aabb) -> Result<Cell, ImplicitError> {
 }
 
 /// Bounds the rounding of the function in a box: four times the greatest width of its enclosures at points of a lattice with the
-/// corners, where the terms of polynomials are greatest.
+/// corners, where the terms of polynomials are greatest. Poles do not count: no width is enough for what lies beside one.
 fn value_error(tape: &Tape, cell: &Cell, scratch: &mut Scratch) -> f64 {
     const SIDE: usize = 5;
     let step = (cell.max - cell.min) / (SIDE - 1) as f64;

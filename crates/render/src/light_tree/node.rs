@@ -141,7 +141,10 @@ pub(super) fn running_sums(mut add: impl FnMut(usize, usize)) {
 fn choose(sums: &[f32; WIDTH], u: f32) -> Slot {
     let total = sums[WIDTH - 1];
     let at = place(u, total);
-    let before = sums.iter().map(|&sum| usize::from(sum <= at)).sum::<usize>();
+    let before = sums
+        .iter()
+        .map(|&sum| usize::from(sum <= at))
+        .sum::<usize>();
     let slot = before.min(WIDTH - 1);
     let before = if slot == 0 { 0.0 } else { sums[slot - 1] };
     Slot {
