@@ -51,8 +51,8 @@ impl LightTree {
         for k in 0..WIDTH {
             let light = bounds.get(k);
             if k < self.places.len() {
-                for i in 0..whole_vectors(len) {
-                    choices.sums[k][i] = light.importance(points.get(i), Some(normals.get(i)));
+                for (i, sum) in choices.sums[k][..whole_vectors(len)].iter_mut().enumerate() {
+                    *sum = light.importance(points.get(i), Some(normals.get(i)));
                 }
             } else {
                 choices.sums[k] = [0.0; LANES];
