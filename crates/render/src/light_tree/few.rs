@@ -34,6 +34,7 @@ impl LightTree {
 
     /// [`LightTree::sample`] of a few lights for the first `len` points, which face their normals. To be called within
     /// [`VectorUnit::run`](umbriel_kernels::VectorUnit::run).
+    #[expect(clippy::needless_range_loop, reason = "the plain loop runs in lanes")]
     #[inline(always)]
     pub(crate) fn sample_lanes(
         &self,
