@@ -47,6 +47,7 @@ impl LightTree {
             let bounds: Vec<_> = groups.iter().map(|group| group.bounds).collect();
             tree.nodes.push(Node {
                 bounds: BoundsLanes::new(&bounds),
+                // Where a group has more than one, its node takes this place when its turn comes.
                 children: groups
                     .iter()
                     .map(|group| Child::Light(order[group.members.start]))
