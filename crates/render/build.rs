@@ -3,8 +3,11 @@
 use std::{env, f64::consts::PI, fmt::Write, fs, path::Path};
 
 /// Points of an integral, and the step of their lattice: neighbours of Fibonacci's, which fill the square evenly.
-const POINTS: usize = 6765;
-const STEP: usize = 4181;
+const POINTS: [usize; 2] = [6765, 4181];
+/// Those of a brushed lobe, of which there are many.
+const FEWER_POINTS: [usize; 2] = [987, 610];
+/// Places in the table of brushed lobes: of the angle, the direction around the normal, the roughness and the anisotropy.
+const BRUSHED: [usize; 4] = [20, 6, 14, 10];
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
@@ -22,16 +25,16 @@ fn main() {
             let roughness = 0.1 + 0.9 * y * y;
             sheen((x * x).max(1e-4), roughness * roughness)
         }),
+        brushed_table(),
     ];
     let folder = env::var("OUT_DIR").expect("cargo names the folder");
     fs::write(Path::new(&folder).join("energy_tables.rs"), text.concat()).expect("can be written");
 }
 
-/// The point of number `k` in the unit square.
-fn lattice(k: usize) -> (f64, f64) {
-    let x = (k as f64 + 0.5) / POINTS as f64;
-    let y = ((k * STEP % POINTS) as f64 + 0.5) / POINTS as f64;
-    (x, y)
+/// Points in the unit square.
+fn lattice([points, step]: [usize; 2]) -> impl Iterator<Item = (f64, f64)> {
+    let place = move |k: usize| (k as f64 + 0.5) / points as f64;
+    (0..points).map(move |k| (place(k), place(k * step % points)))
 }
 
 /// The values of a function of `[0, 1]²`, rows by `y`.
@@ -59,7 +62,7 @@ fn ggx(cos_o: f64, alpha: f64) -> (f64, f64) {
     let s2 = (1.0 + sin_o) * (1.0 + sin_o);
     let low = (1.0 - a2) * s2 / (s2 + a2 * cos_o * cos_o) * vz;
     let (mut total, mut grazing) = (0.0, 0.0);
-    for (u, v) in (0..POINTS).map(lattice) {
+    for (u, v) in lattice(POINTS) {
         let phi = PI * u;
         let z = (1.0 - v) * (1.0 + low) - low;
         let r = (1.0 - z * z).max(0.0).sqrt();
@@ -78,15 +81,72 @@ fn ggx(cos_o: f64, alpha: f64) -> (f64, f64) {
             grazing += shadowing * (1.0 - cos_h).powi(5);
         }
     }
-    let share = (1.0 + low) / (1.0 + vz) / POINTS as f64;
+    let share = (1.0 + low) / (1.0 + vz) / POINTS[0] as f64;
     (total * share, grazing * share)
+}
+
+/// The albedos of lobes with two widths, for a Fresnel factor of 1; the first coordinate changes fastest. See `albedo_brushed`.
+fn brushed_table() -> String {
+    let [xs, ts, rs, anisotropies] = BRUSHED;
+    let share = |i: usize, side: usize| (i % side) as f64 / (side - 1) as f64;
+    let values = (0..BRUSHED.iter().product()).map(|i: usize| {
+        let (x, t) = (share(i, xs), share(i / xs, ts));
+        let roughness = share(i / (xs * ts), rs);
+        let anisotropy = share(i / (xs * ts * rs), anisotropies);
+        let across = (roughness * roughness).max(1e-3);
+        let along = across + (1.0 - across) * anisotropy * anisotropy;
+        let towards = across + t * t * (along - across);
+        let cos2_phi = (towards * towards - across * across) / (along * along - across * across);
+        let cos2_phi = if along > across { cos2_phi } else { 0.0 };
+        let cos = (x * towards / (1.0 + towards - x)).clamp(1e-6, 1.0);
+        ggx_brushed(cos, cos2_phi.clamp(0.0, 1.0), [along, across]) as f32
+    });
+    let values: Vec<f32> = values.collect();
+    let count = values.len();
+    format!(
+        "const BRUSHED_SIDES: [usize; 4] = {BRUSHED:?};\nstatic BRUSHED: [f32; {count}] = {values:?};\n"
+    )
+}
+
+/// The albedo of the GGX lobe with two widths, for a Fresnel factor of 1, by the visible normals: the mean of `G₂/G₁`. `cos2_phi` is the squared
+/// cosine of the angle between the direction, seen along the normal, and the first axis.
+fn ggx_brushed(cos_o: f64, cos2_phi: f64, alpha: [f64; 2]) -> f64 {
+    let unit = |v: [f64; 3]| {
+        let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+        v.map(|c| c / length)
+    };
+    let masking = |w: [f64; 3]| (w[0] * alpha[0]).hypot(w[1] * alpha[1]).hypot(w[2]);
+    let sin_o = (1.0 - cos_o * cos_o).max(0.0).sqrt();
+    let o = [
+        sin_o * cos2_phi.sqrt(),
+        sin_o * (1.0 - cos2_phi).sqrt(),
+        cos_o,
+    ];
+    let v = unit([alpha[0] * o[0], alpha[1] * o[1], o[2]]);
+    let mut sum = 0.0;
+    for (s, t) in lattice(FEWER_POINTS) {
+        let (sin_phi, cos_phi) = (2.0 * PI * s).sin_cos();
+        let z = (1.0 - t) * (1.0 + v[2]) - v[2];
+        let r = (1.0 - z * z).max(0.0).sqrt();
+        let h = unit([
+            alpha[0] * (r * cos_phi + v[0]),
+            alpha[1] * (r * sin_phi + v[1]),
+            (z + v[2]).max(0.0),
+        ]);
+        let cos_h = o[0] * h[0] + o[1] * h[1] + o[2] * h[2];
+        let i = [0, 1, 2].map(|c| 2.0 * cos_h * h[c] - o[c]);
+        if i[2] > 0.0 {
+            sum += i[2] * (cos_o + masking(o)) / (i[2] * masking(o) + cos_o * masking(i));
+        }
+    }
+    sum / FEWER_POINTS[0] as f64
 }
 
 /// The albedo of the sheen lobe `D V` of `src/bsdf/sheen.rs`.
 fn sheen(cos_o: f64, alpha: f64) -> f64 {
     let sin_o = (1.0 - cos_o * cos_o).max(0.0).sqrt();
     let mut sum = 0.0;
-    for (u, s) in (0..POINTS).map(lattice) {
+    for (u, s) in lattice(POINTS) {
         let phi = PI * u;
         // Most points lie near the horizon.
         let cos_i = s * s;
@@ -101,7 +161,7 @@ fn sheen(cos_o: f64, alpha: f64) -> f64 {
         let v = 1.0 / ((1.0 + lambda(cos_o, alpha) + lambda(cos_i, alpha)) * 4.0 * cos_o * cos_i);
         sum += d * v * cos_i * 2.0 * s;
     }
-    sum * 2.0 * PI / POINTS as f64
+    sum * 2.0 * PI / POINTS[0] as f64
 }
 
 fn lambda(cos: f64, alpha: f64) -> f64 {

@@ -1,7 +1,7 @@
 //! How much light the rough lobes reflect in all, so that no material gives more than it gets and none loses what facets pass on.
 
 use super::layers::LEAST_SHEEN;
-use umbriel_kernels::glam::Vec3;
+use umbriel_kernels::glam::{Vec2, Vec3};
 
 include!(concat!(env!("OUT_DIR"), "/energy_tables.rs"));
 
@@ -29,28 +29,6 @@ impl Albedo {
         Self { total, grazing }
     }
 
-    /// An upper bound for the lobe of the same roughness drawn out to the widths of [`Brush::new`](super::Brush::new): with it, no brush gives
-    /// more than it gets, and those drawn out far lose a part of what their facets pass on.
-    ///
-    /// ```text
-    /// E ≤ 1 − (1 − (E(α_x) + E(α_y))/2) cos θ
-    /// E ≤ 1 − (1 − max(E(α_x), E(α_y))) (1 − 0.7 anisotropy (1 − cos θ)³)
-    /// ```
-    /// Fitted to integrals of 320 lobes at 6 angles: at grazing angles neither of the round lobes is a bound. The lesser one is nowhere below the
-    /// true one by more than 0.4 %.
-    pub fn brushed(self, cos_o: f32, alpha: f32, anisotropy: f32) -> Self {
-        let cos = cos_o.clamp(0.0, 1.0);
-        let along = alpha + (1.0 - alpha) * anisotropy * anisotropy;
-        let drawn_out = Self::new(cos, along.sqrt()).total;
-        let mean = 0.5 * (self.total + drawn_out);
-        let grazing = 0.7 * anisotropy * (1.0 - cos).powi(3);
-        let most = 1.0 - (1.0 - self.total.max(drawn_out)) * (1.0 - grazing);
-        Self {
-            total: most.min(1.0 - (1.0 - mean) * cos),
-            ..self
-        }
-    }
-
     /// By how much a lobe of reflectance `f0` is multiplied for the light that bounces from facet to facet.
     ///
     /// ```text
@@ -69,6 +47,54 @@ impl Albedo {
     pub fn reflected(&self, f0: Vec3, f90: Vec3) -> Vec3 {
         (f0 * (self.total - self.grazing) + f90 * self.grazing) * self.compensation(f0)
     }
+}
+
+/// The directional albedo of a brushed lobe with a Fresnel factor of 1, towards the unit direction `o` in the axes of the brush, which has the widths
+/// `alpha` along and across in `[0.001, 1]`, the first the greater; to 1 %.
+///
+/// The width towards `o`, of which the most depends, stands for the direction around the normal:
+/// ```text
+/// α_o² = α_x² cos² φ + α_y² sin² φ      t² = (α_o − α_y)/(α_x − α_y)      x = cos θ (1 + α_o)/(cos θ + α_o)
+/// ```
+/// It is tabulated over `x`, `t`, the roughness `√α_y` and the anisotropy, as [`Albedo::new`] is.
+///
+/// Source: as [`Albedo::new`].
+pub(super) fn albedo_brushed(alpha: Vec2, o: Vec3) -> f32 {
+    let cos = o.z.clamp(1e-6, 1.0);
+    let across = o.truncate().normalize_or(Vec2::X);
+    let towards = (alpha * across).length();
+    let drawn_out = alpha.x - alpha.y;
+    // Of a round lobe both are 0.
+    let share = |part: f32, whole: f32| match part > 0.0 {
+        true => (part / whole).min(1.0).sqrt(),
+        false => 0.0,
+    };
+    let t = share(towards - alpha.y, drawn_out);
+    let anisotropy = share(drawn_out, 1.0 - alpha.y);
+    let x = cos * (1.0 + towards) / (cos + towards);
+    look_up_brushed([x, t, alpha.y.sqrt(), anisotropy])
+}
+
+/// Linear interpolation in each of four numbers in `[0, 1]`.
+fn look_up_brushed(place: [f32; 4]) -> f32 {
+    let mut cells = [(0, 0, 0.0); 4];
+    let mut stride = 1;
+    for ((cell, side), place) in cells.iter_mut().zip(BRUSHED_SIDES).zip(place) {
+        let at = place * (side - 1) as f32;
+        let first = (at as usize).min(side - 2);
+        *cell = (stride * first, stride, at - first as f32);
+        stride *= side;
+    }
+    let corner = |number: usize| {
+        let (mut index, mut weight) = (0, 1.0);
+        for (axis, &(first, stride, part)) in cells.iter().enumerate() {
+            let is_second = number >> axis & 1 == 1;
+            index += first + if is_second { stride } else { 0 };
+            weight *= if is_second { part } else { 1.0 - part };
+        }
+        weight * BRUSHED[index]
+    };
+    (0..16).map(corner).sum()
 }
 
 /// The directional albedo of the sheen lobe, to 5e-3, for `cos_o` and the sheen's roughness in `[0, 1]`.

@@ -1,6 +1,7 @@
 //! The rough specular lobe of brushed surfaces: GGX with two widths.
 
 use super::{
+    energy::albedo_brushed,
     ggx::{bound, sample_cap},
     ggx_transmission::refraction_jacobian,
 };
@@ -63,6 +64,11 @@ impl Brush {
         }
         let masking = i.z * self.stretched(o) + o.z * self.stretched(i);
         self.distribution(half) * 0.5 / masking
+    }
+
+    /// The directional albedo towards `wo`, with a Fresnel factor of 1: [`albedo_brushed`](super::albedo_brushed).
+    pub fn albedo(&self, wo: Vec3) -> f32 {
+        albedo_brushed(self.alpha, self.local(wo))
     }
 
     /// A microfacet normal, as [`sample_ggx`](super::sample_ggx) for one width.

@@ -180,8 +180,11 @@ impl Bsdf {
             return f;
         }
         let f0 = d0.lerp(self.metal(cos_o), self.metallic);
-        let between = match self.layers.filter(|layers| layers.anisotropy > 0.0) {
-            Some(layers) => albedo.brushed(cos_o, width(self.roughness), layers.anisotropy),
+        let between = match self.brush(n) {
+            Some(brush) => Albedo {
+                total: brush.albedo(wo),
+                ..albedo
+            },
             None => albedo,
         };
         let facets = self.eval_facets(n, half, wo, wi);
