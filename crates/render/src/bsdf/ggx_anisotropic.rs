@@ -66,7 +66,8 @@ impl Brush {
         self.distribution(half) * 0.5 / masking
     }
 
-    /// The directional albedo towards `wo`, with a Fresnel factor of 1: [`albedo_brushed`](super::albedo_brushed).
+    /// The directional albedo towards the unit direction `wo`, with a Fresnel factor of 1: what one reflection leaves, in `(0, 1]`, to 1 %. From a
+    /// table over both widths and the direction around the normal.
     pub fn albedo(&self, wo: Vec3) -> f32 {
         albedo_brushed(self.alpha, self.local(wo))
     }
